@@ -20,7 +20,7 @@ HIGH = 0.3
 
 
 def arm() -> Avatar:
-    """A palm, and a finger on a hinge."""
+    """Return a palm, and a finger on a hinge."""
     palm = (Piece(Box((0.1, 0.08, 0.03))),)
     finger = (Piece(Capsule(0.01, 0.06), (0.03, 0.0, 0.0), (math.sqrt(0.5), 0.0, math.sqrt(0.5), 0.0)),)
     bend = Hinges((Hinge((0.0, 1.0, 0.0), -0.3, 1.4),))
@@ -31,7 +31,7 @@ def arm() -> Avatar:
 
 
 def scene() -> Scene:
-    """The arm over the table."""
+    """Return the scene with the arm over the table."""
     table, ball = (Piece(Box((1.0, 1.0, 0.1))),), (Piece(Sphere(0.04)),)
     start = TrackerSample(0.0, np.array([[0.0, 0.0, HIGH], [0.0, 0.0, 0.0]]), np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)), np.zeros(1))
     loose = simulated("ball", ball, "wood", solid(ball, 0.16), (0.2, 0.0, 0.0401))
@@ -40,7 +40,7 @@ def scene() -> Scene:
 
 
 def pushed(frame: int) -> TrackerSample:
-    """The user's posture: down into the table and about, and the finger to and fro beyond its limits."""
+    """Return the user's posture: down into the table and about, and the finger to and fro beyond its limits."""
     t = frame / RATE
     at = (0.15 * math.sin(2.0 * t), 0.1 * math.sin(3.0 * t), HIGH - 0.35 * (1.0 - math.cos(2.5 * t)))
     positions = np.array([at, (0.0, 0.0, 0.0)])
@@ -48,5 +48,5 @@ def pushed(frame: int) -> TrackerSample:
 
 
 def plan(logs: str = "", preset: str = "default") -> Plan:
-    """A loop of our engine on it."""
+    """Return a plan for AvatarsimEngine on this scene."""
     return Plan(OURS, scene(), Settings(preset=preset), RATE, logs)

@@ -12,7 +12,7 @@ Ends = tuple[Channel, Channel]
 
 @pytest.fixture
 def ends() -> Iterator[Ends]:
-    """Both ends of a new channel."""
+    """Yield both ends of a new channel."""
     both = pair()
     yield both
     for end in both:
@@ -42,7 +42,7 @@ def test_a_sender_whose_reader_sleeps_drops_and_counts(ends: Ends) -> None:
     told = [one.send(np.zeros(2000)) for _ in range(2000)]
     assert told[0] and not told[-1] and one.dropped == told.count(False)
     assert len(list(other.drain())) == told.count(True)
-    # and is heard again afterwards
+    # later messages arrive again
     assert one.send("again") and other.newest() == "again"
 
 

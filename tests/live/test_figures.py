@@ -8,7 +8,7 @@ from avatarsim.live.messages import State
 
 
 def state(frame: int, cost: int = 1000, latency: int = -1, late: bool = False, skipped: int = 0, paused: bool = False) -> State:
-    """A state of which only what it cost counts."""
+    """Return a state of which only the cost matters."""
     nothing = np.zeros((0, 3))
     return State(
         frame, frame / 60.0, nothing, np.zeros((0, 4)), np.zeros(0), 0, latency, cost, late, skipped, 0, {"planning": 1}, {},

@@ -1,4 +1,4 @@
-"""Commands of a driven world: what they change, what they refuse, and that a refusal changes nothing."""
+"""Commands of a driven world: their changes, their refusals, and that a refusal changes nothing."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ from tests.live.small import plan, pushed
 
 
 def driven(frames: int = 60) -> World:
-    """The small world after some frames."""
+    """Return the small world after some frames."""
     world = World(plan())
     for frame in range(1, frames + 1):
         world.advance(pushed(frame))
@@ -30,7 +30,7 @@ def test_reset_begins_the_scene_again() -> None:
     world = driven()
     first = World(plan()).shown.state_hash()
     assert world.shown.state_hash() != first
-    # without anything kept, back is the beginning too
+    # without a snapshot, BACK restarts the scene too
     for order in (Order.RESET, Order.BACK):
         assert world.apply(Command(order)) == "" and world.shown.state_hash() == first
         world.advance(pushed(1))
@@ -56,13 +56,13 @@ def test_a_switch_goes_on_from_what_is_shown(switch: Switch) -> None:
     after = world.shown.shown
     np.testing.assert_allclose(after.positions, before.positions, atol=1e-12)
     if "dynamics" not in switch.off:
-        # of loose bodies; links have the speed of their targets, which begin again
+        # for loose bodies; links have the speed of their targets, which begin again
         np.testing.assert_allclose(after.velocities[1], before.velocities[1], atol=1e-12)
     assert world.settings.preset == switch.preset and set(switch.off) <= set(world.scene.narrow)
     world.advance(pushed(21))
     refused = world.apply(Command(Order.SWITCH, Switch()))
     if "limits" in switch.off:
-        # the finger is where limits do not let it be: it has to come back first
+        # the finger is beyond its limits: it has to come back first
         assert "start angle of a hinge of finger" in refused and set(switch.off) <= set(world.scene.narrow)
     else:
         assert refused == "" and world.scene.narrow == world.plan.scene.narrow

@@ -1,4 +1,4 @@
-"""Recordings: what was driven runs again to the same bits; what is damaged is refused by its place, and torn ends are read."""
+"""Recordings replay to the same bits; damage is refused with its place, and torn ends are read."""
 
 import json
 import struct
@@ -29,14 +29,14 @@ BETWEEN = {
 
 
 def wrapped(kind: int, payload: bytes) -> bytes:
-    """A row whose sums are right."""
+    """Return a row whose checksums are right."""
     begun = ROW.pack(kind, len(payload))
     row = begun + SUM.pack(zlib.crc32(begun)) + payload
     return row + SUM.pack(zlib.crc32(row))
 
 
 def recorded(path: Path, frames: int = 200, between: dict[int, Command] = BETWEEN) -> Path:
-    """A recording of a driven run with commands in it."""
+    """Return a recording of a driven run with commands in it."""
     world = World(plan())
     recorder = Recorder(path, world.plan, world.shown.state_hash())
     for frame in range(1, frames + 1):
@@ -50,7 +50,7 @@ def recorded(path: Path, frames: int = 200, between: dict[int, Command] = BETWEE
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
-    """The bytes of a recording of 200 frames."""
+    """Return the bytes of a recording of 200 frames."""
     return recorded(tmp_path_factory.mktemp("whole") / "a.live").read_bytes()
 
 
@@ -65,7 +65,7 @@ def test_what_was_driven_runs_again_to_the_same_bits(whole: bytes, tmp_path: Pat
 
 @pytest.mark.parametrize("first", [Switch(("friction", "dynamics")), Switch(("self_contact", "friction"), "paper")])
 def test_a_log_from_a_reset_on_knows_what_its_author_left_on(tmp_path: Path, first: Switch) -> None:
-    """What the user switched off before the reset, and on again after it."""
+    """Effects are switched off before the reset, and on again after it."""
     world = World(plan())
     assert world.apply(Command(Order.SWITCH, first)) == "" and world.apply(Command(Order.RESET)) == ""
     recorder = Recorder(tmp_path / "a.live", world.begun, world.shown.state_hash())
@@ -196,7 +196,7 @@ def test_what_is_too_large_to_read_is_not_written(
 
 
 def headed(folder: Path, old: bytes, new: bytes) -> Path:
-    """A recording in whose head something is another, with its sum mended."""
+    """Return a recording with a part of its head replaced and its checksum updated."""
     data = recorded(folder / "c.live", 2, {}).read_bytes()
     start = len(MAGIC) + 8
     (length,) = struct.unpack_from("<I", data, len(MAGIC) + 4)

@@ -1,4 +1,4 @@
-"""Sessions: loops in processes of their own, what they show, what they are told, and what becomes of one that dies."""
+"""Sessions: loops in processes of their own, their states and commands, and the death of one."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -23,18 +23,18 @@ from reference.judging.judge import Judge
 from tests.live.small import RATE, plan, pushed
 
 PATIENCE = 60.0
-"""[s] after which a loop that says nothing is a failure of the test."""
+"""[s] after which a silent loop is a failure of the test."""
 
 
 @pytest.fixture(scope="module")
 def session() -> Iterator[Session]:
-    """One session of two loops, for all tests of this file that end nothing."""
+    """Yield one session of two loops, for all tests of this file that end nothing."""
     with Session([plan(), replace(plan(), name="other")]) as one:
         yield one
 
 
 def until(session: Session, frames: int, name: str = "avatarsim") -> State:
-    """The state of a loop once it is so many frames further."""
+    """Return the state of a loop after so many further frames."""
     end, first = time.monotonic() + PATIENCE, None
     while time.monotonic() < end:
         state = session.look().get(name)

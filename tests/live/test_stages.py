@@ -1,4 +1,4 @@
-"""The built-in stages: free, loadable, and with handles on what one pulls at."""
+"""Built-in stages: free, loadable, and with handles on the links to drag."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Things that are taken, pinched, carried and let go in a driven world; doors and lifts; and that recordings hold all of it."""
+"""Bodies taken, pinched, carried and released in a driven world; doors and lifts; and recordings of all of it."""
 
 from pathlib import Path
 from random import Random
@@ -25,14 +25,14 @@ DT = 1.0 / 60.0
 
 
 def toys() -> tuple[World, Driver, np.ndarray]:
-    """The hand among toys, its world, and where the mug stands."""
+    """Return the world of the hand among toys, its driver, and the place of the mug."""
     scene = stage("toys").scene
     mug = next(body for body in scene.bodies if body.name == "mug")
     return World(Plan(OURS, scene, Settings(), 60.0)), Driver(scene), np.array(mug.position)
 
 
 def place_of(world: World, name: str) -> np.ndarray:
-    """Where a body is shown [m]."""
+    """Return the shown place of a body [m]."""
     return np.asarray(world.shown.shown.positions[world.scene.names.index(name)])
 
 
@@ -54,7 +54,7 @@ def test_a_mug_is_taken_by_a_key_carried_and_let_go() -> None:
 
 
 def pinching() -> tuple[World, list[TrackerSample]]:
-    """Three fingers that close on a mug, and open again."""
+    """Return a world and samples of three fingers that close on a mug, and open again."""
     scenario = catalog.get("mug_in_fingers")
     scene = scenario.build()
     motion = scenario.motion(scene, 0)
@@ -89,7 +89,7 @@ def test_recordings_hold_what_was_taken_and_pinched(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("seed", [1, 5])
 def test_hands_that_take_at_random_stay_finite_and_free(seed: int) -> None:
-    """Things held by several links of one hand meet one another where no joint lets them give way."""
+    """Bodies attached to several links of one hand meet one another where no joint lets them yield."""
     random, scene = Random(seed), stage("toys").scene
     world, driver = World(Plan(OURS, scene, Settings(), 60.0)), Driver(scene)
     loose = [body.name for body in scene.bodies if body.role is Role.SIMULATED]

@@ -17,12 +17,12 @@ DT = 1.0 / 60.0
 
 
 def driver(name: str) -> Driver:
-    """A driver of a built-in stage."""
+    """Return a driver of a built-in stage."""
     return Driver(stage(name).scene)
 
 
 def ticks(one: Driver, count: int, keys: str = "") -> list[TrackerSample]:
-    """Postures of some frames, while keys repeat."""
+    """Return postures of some frames, while keys repeat."""
     found = []
     for k in range(count):
         for key in keys if k % 2 == 0 else "":
@@ -32,7 +32,7 @@ def ticks(one: Driver, count: int, keys: str = "") -> list[TrackerSample]:
 
 
 def random_sample(scene: Scene, seed: int, amount: float = 0.8) -> TrackerSample:
-    """A posture within limits, balls turned by up to `amount` [rad] about each axis, the root as at the start."""
+    """Return a posture within limits, balls turned by up to `amount` [rad] about each axis, the root as at the start."""
     rng, tree = random.Random(seed), Tree(scene.avatars)
     found = posture_of(scene.first_sample)
     for k, node in enumerate(tree.nodes):
@@ -44,7 +44,7 @@ def random_sample(scene: Scene, seed: int, amount: float = 0.8) -> TrackerSample
 
 
 def excess(scene: Scene, sample: TrackerSample) -> float:
-    """[rad] the most that a joint of a posture is beyond its limits, by the arrays' own definition of them."""
+    """Return the largest excess [rad] of a joint beyond its limits, by the arrays' own definition of them."""
     most, hinge = 0.0, 0
     for k, link in enumerate(scene.links):
         if isinstance(link.joint, Hinges):
@@ -58,12 +58,12 @@ def excess(scene: Scene, sample: TrackerSample) -> float:
 
 
 def places(scene: Scene, sample: TrackerSample) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Joints of all links (n, 3) [m]."""
+    """Return the joint positions of all links (n, 3) [m]."""
     return link_poses(scene.avatars, sample)[0]
 
 
 def fastest(scene: Scene, samples: list[TrackerSample]) -> tuple[float, float]:
-    """Of a row of postures the fastest root [m/s] and the fastest joint [rad/s]."""
+    """Return the largest root speed [m/s] and joint speed [rad/s] of a sequence of postures."""
     roots = np.array([sample.positions[0] for sample in samples])
     turns, angles = np.array([sample.rotations for sample in samples]), np.array([sample.angles for sample in samples])
     steps = rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(turns[:-1]), turns[1:]))

@@ -1,4 +1,4 @@
-"""What a user does and what an avatar is then to do: sources, their order, and refusals that change nothing."""
+"""Postures from the user's actions: sources, their precedence, and refusals that change nothing."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ BODY, HAND = stage("gallery").scene, stage("hand").scene
 
 
 def waving() -> Motion:
-    """A second in which the human's right arm goes up and its root a metre ahead, from elsewhere than where it stands."""
+    """Return a second in which the human's right arm rises and its root moves a metre ahead, from another place than its own."""
     a, b = random_sample(BODY, 5, 0.3), random_sample(BODY, 6, 0.3)
     times, share = np.linspace(0.0, 1.0, 31), np.linspace(0.0, 1.0, 31)
     positions, rotations = np.stack([a.positions, b.positions]), np.stack([a.rotations, b.rotations])
@@ -36,7 +36,7 @@ def waving() -> Motion:
 
 
 def same(a: TrackerSample, b: TrackerSample) -> bool:
-    """Whether two postures are equal to the bit."""
+    """Return True if two postures are equal to the bit."""
     return all(np.array_equal(getattr(a, name), getattr(b, name)) for name in ("positions", "rotations", "angles"))
 
 
@@ -49,7 +49,7 @@ def test_nothing_done_is_the_start_and_time_passes() -> None:
 
 
 def everything(one: Driver, seed: int) -> list[TrackerSample]:
-    """All sources one after the other."""
+    """Return postures from all sources, one after the other."""
     rng, found = np.random.default_rng(seed), []
     for k in range(200):
         if k % 3 == 0 and k < 90:
@@ -156,7 +156,7 @@ def test_a_clip_takes_what_it_carries_along() -> None:
 def test_a_clip_is_played_to_its_end_and_taken_over_where_it_is() -> None:
     motion, one = waving(), driver("gallery")
     one.play(motion)
-    # what it begins with is farther away than its second of time would allow
+    # its first posture is farther away than the motion's second of time would allow
     samples = ticks(one, 240)
     assert samples[-1].positions[0] == pytest.approx(motion.positions[-1, 0])
     assert samples[-1].rotations == pytest.approx(motion.rotations[-1], abs=1e-6)

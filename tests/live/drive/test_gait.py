@@ -1,4 +1,4 @@
-"""The walk: feet that stay where they stand, a period, a crouch."""
+"""Walking: feet that stay on the ground, a period, a crouch."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ LEFT, RIGHT = NAMES.index("left_foot"), NAMES.index("right_foot")
 
 
 def walked(seconds: float, keys: str = "i") -> list[TrackerSample]:
-    """Postures while keys are held."""
+    """Return postures while keys are held."""
     return ticks(driver("gallery"), round(seconds / DT), keys)
 
 
@@ -22,11 +22,11 @@ def test_feet_stand_and_swing_in_turn_with_the_period_that_is_said() -> None:
     feet = feet[-round(5.0 * driver("gallery").period / DT):]
     speeds = np.linalg.norm(np.diff(feet, axis=0), axis=2) / DT
     stands = speeds < 0.2
-    # both stand for six tenths of the time, and never both swing
+    # each foot is on the ground for six tenths of the time, and both never swing
     assert stands.mean(axis=0) == pytest.approx(0.6, abs=0.08)
     assert (stands.any(axis=1)).mean() > 0.98
     begins = np.flatnonzero(stands[1:, 0] & ~stands[:-1, 0])
-    # what only rounds over the edge for a frame is no step
+    # a frame that crosses the threshold only by rounding is no step
     begins = begins[np.diff(begins, prepend=-100) > 10]
     assert np.diff(begins).mean() * DT == pytest.approx(driver("gallery").period, rel=0.03)
 

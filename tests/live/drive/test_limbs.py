@@ -1,4 +1,4 @@
-"""Which links are legs, arms and fingers."""
+"""Detection of legs, arms and fingers."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ MASS = solid(PIECES, 1.0)
 
 
 def row(*names: str, z: float, y: float) -> list[Link]:
-    """Links that hang on a root called "middle", one below the other."""
+    """Return links attached to a root called "middle", one below the other."""
     found, parent = [], "middle"
     for k, name in enumerate(names):
         anchor = (0.0, y, 0.0 if k == 0 else z)
@@ -30,7 +30,7 @@ def row(*names: str, z: float, y: float) -> list[Link]:
 
 
 def limbs(*links: Link) -> tuple[Tree, Limbs]:
-    """The limbs of an avatar of these links and a free root."""
+    """Return the tree and limbs of an avatar of these links and a free root."""
     avatar = Avatar("one", (Link("middle", None, Free(), PIECES, MASS), *links))
     tree = Tree((avatar,))
     return tree, limbs_of(tree, posture_of(rest((avatar,))))
@@ -51,7 +51,7 @@ def test_a_hand_has_five_fingers_that_close_and_no_limbs() -> None:
     assert limbs_of(tree, posture_of(scene.first_sample)) == Limbs()
     fingers = fingers_of(tree)
     assert [tree.nodes[finger.links[0]].name for finger in fingers] == ["thumb1", "index1", "middle1", "ring1", "little1"]
-    # three that bend in each finger; the joints that spread are left alone
+    # three joints bend in each finger; the spreading joints are unchanged
     assert len(closing(tree, fingers)) == 15
     assert all(closed > 0.0 for _, _, closed in closing(tree, fingers))
 

@@ -29,7 +29,7 @@ def test_goals_of_postures_are_reached_to_a_millimetre(where: tuple[str, str], s
     assert np.linalg.norm(one.pose(handle)[0] - goal) < 1e-3
     assert max(excess(scene, sample) for sample in samples[::20]) < 1e-6
     root, turn = fastest(scene, samples)
-    # what a projection into a limit adds
+    # the second factor allows for the projection into a limit
     assert root <= FASTEST * 1.001 and turn <= FASTEST_TURN * 1.05
 
 

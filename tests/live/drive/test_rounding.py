@@ -14,7 +14,7 @@ DRAGS = [
 
 
 def dragged(name: str, handle: str, goal: tuple[float, ...]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Postures of four seconds in which a link is dragged, a row each."""
+    """Return the postures of four seconds in which a link is dragged, a row each."""
     one = driver(name)
     one.drag(handle, goal)
     return np.array([np.concatenate([s.positions.ravel(), s.rotations.ravel(), s.angles]) for s in ticks(one, 240)])

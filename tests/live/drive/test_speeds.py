@@ -1,4 +1,4 @@
-"""Courses of time, speeds by presses of keys, and the offset that hides a change of source."""
+"""Time courses, speeds by key presses, and the offset that hides a change of source."""
 
 import pytest
 from hypothesis import given, settings
@@ -40,13 +40,13 @@ def test_an_offset_begins_at_what_was_shown_and_is_gone_within_its_speeds(seed: 
     samples.append(wanted.sample(0.0))
     root, turn = fastest(scene, samples)
     assert root <= 1.25 * 1.001
-    # a projection into a limit may add to what the offset itself turns
+    # a projection into a limit may add to the turn of the offset itself
     assert turn <= 2.0 * 4.0
     assert max(excess(scene, sample) for sample in samples[::10]) < 1e-6
 
 
 def ticks(speeds: Speeds, seconds: float) -> None:
-    """Let time pass frame by frame."""
+    """Advance time frame by frame."""
     for _ in range(round(seconds / DT)):
         speeds.advance(DT)
 

@@ -1,4 +1,4 @@
-"""Driving through things, as the engine shows it: nothing of the avatar overlaps, and its joints keep their limits."""
+"""Driving through obstacles, as the engine shows it: no part of the avatar overlaps, and its joints keep their limits."""
 
 from collections.abc import Callable
 
@@ -12,11 +12,11 @@ from avatarsim.tolerances import JUDGED
 from tests.live.drive.stages_driven import DT, excess
 
 LOOSE_ON_FIXED = 2e-6
-"""[m] that loose bodies may be in one another or in fixed ones: what their position projection leaves."""
+"""[m] Largest overlap of loose bodies with one another or with fixed ones: the remainder of their position projection."""
 
 
 def hand_through_the_table(one: Driver, frame: int) -> None:
-    """Down through the table, into the wall, and a fist."""
+    """Drag the hand down through the table and into the wall, and make a fist."""
     if frame == 0:
         one.drag("hand/palm", (0.15, 0.0, 0.5))
     if frame == 120:
@@ -28,20 +28,20 @@ def hand_through_the_table(one: Driver, frame: int) -> None:
 
 
 def finger_through_the_table(one: Driver, frame: int) -> None:
-    """A finger's tip far below."""
+    """Drag a fingertip far below the table."""
     if frame == 0:
         one.drag("hand/index3", (0.3, -0.1, 0.3))
 
 
 def toys_over(one: Driver, frame: int) -> None:
-    """Into the dominoes, the tower and the mug."""
+    """Drag the hand into the dominoes, the tower and the mug."""
     places = {0: (-0.2, -0.28, 0.8), 60: (0.0, -0.28, 0.8), 110: (0, 0.25, 0.85), 150: (0.3, 0.25, 0.85), 200: (0.12, -0.1, 0.8)}
     if frame in places:
         one.drag("hand/palm", places[frame])
 
 
 def walk_into_things(one: Driver, frame: int) -> None:
-    """Over a box and through walls, and a hand through the table in the other room."""
+    """Walk over a box and through walls, with a hand through the table in the other room."""
     if frame < 150 and frame % 3 == 0:
         one.press("i" if frame < 60 else "l")
     if frame == 150:

@@ -12,7 +12,7 @@ from tests.live.ports.opened import Opened
 
 @pytest.fixture
 def opened() -> Iterator[Callable[..., Opened]]:
-    """Makes ports that are closed at the test's end."""
+    """Yield a function that opens ports, which are closed at the test's end."""
     with ExitStack() as stack:
 
         def make(**options: Any) -> Opened:
@@ -26,11 +26,11 @@ def opened() -> Iterator[Callable[..., Opened]]:
 
 @pytest.fixture
 def live(opened: Callable[..., Opened]) -> Opened:
-    """Ports with the limits they have by themselves."""
+    """Return ports with default limits."""
     return opened()
 
 
 @pytest.fixture
 def strict(opened: Callable[..., Opened]) -> Opened:
-    """Ports that run out of patience at once, and keep few connections."""
+    """Return ports with the shortest patience and few connections."""
     return opened(limits=Limits(per_second=5, flood=50, patience=2.0, connections=3, waiting=4, sources=2))

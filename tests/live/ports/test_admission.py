@@ -1,4 +1,4 @@
-"""Which requests are ours, and how many messages of a peer are read in a second."""
+"""Admission of requests, and the number of messages of a peer that are read in a second."""
 
 import pytest
 from hypothesis import given

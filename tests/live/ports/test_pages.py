@@ -1,4 +1,4 @@
-"""The pages that the server has beside its WebSockets: all files, nothing else, with a policy that keeps them here."""
+"""Pages of the WebSocket server: all files, nothing else, with a policy that limits their requests to it."""
 
 
 import tomllib

@@ -1,4 +1,4 @@
-"""Messages from trackers: what is sent is read, and all else is refused for a stated reason and in no other way."""
+"""Messages from trackers: valid ones are read, and all others are refused for a stated reason and in no other way."""
 
 import json
 import math
@@ -23,7 +23,7 @@ GOOD_PACKED = packed_sample(TrackerSample(0.0, np.ones((4, 3)), np.array(TURNED)
 
 
 def refused(data: bytes | str, shape: Shape = SHAPE) -> Refusal:
-    """Why a message is refused."""
+    """Return the reason for which a message is refused."""
     with pytest.raises(Refused) as caught:
         parse(data, shape)
     assert isinstance(caught.value, InvalidSample) and caught.value.valid and len(str(caught.value)) < 1000
@@ -31,7 +31,7 @@ def refused(data: bytes | str, shape: Shape = SHAPE) -> Refusal:
 
 
 def changed(**keys: object) -> str:
-    """The good message with other values."""
+    """Return the valid message with other values."""
     return json.dumps({**GOOD, **keys})
 
 
@@ -170,7 +170,7 @@ VALUES = st.recursive(
 
 @st.composite
 def damaged(draw: st.DrawFn) -> bytes:
-    """A good message, as JSON or packed, of which some bytes were changed and the end may be cut off."""
+    """Return a valid message, as JSON or packed, with some bytes changed and possibly cut short."""
     found = bytearray(draw(st.sampled_from([json.dumps(GOOD).encode(), GOOD_PACKED])))
     for _ in range(draw(st.integers(1, 4))):
         found[draw(st.integers(0, len(found) - 1))] = draw(st.integers(0, 255))

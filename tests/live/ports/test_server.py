@@ -1,4 +1,4 @@
-"""Ports with real sockets on loopback: what is good arrives, what is not is counted, and no peer stops another."""
+"""Ports with real sockets on loopback: valid messages arrive, others are counted, and no peer stops another."""
 
 import json
 import socket
@@ -38,11 +38,11 @@ GARBAGE: dict[Refusal, bytes] = {
     Refusal.WRONG_MAGIC: b"\x01\x02",
     Refusal.WRONG_VERSION: SAMPLE + b"\x02" + bytes(11),
 }
-"""A message for each reason for which its content can be refused; one that is too long ends a WebSocket, see below."""
+"""A message for each reason that depends on its content; one that is too long ends a WebSocket, see below."""
 
 
 def send(live: Opened, data: bytes) -> None:
-    """A datagram from a socket of its own."""
+    """Send a datagram from a socket of its own."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
         end.sendto(data, live.udp)
 
@@ -96,7 +96,7 @@ def test_answers_by_udp_are_few_whatever_comes(opened: Callable[..., Opened], mo
             with suppress(BlockingIOError):
                 while end.recv(1024):
                     answers += 1
-    # one of each source, and no more than that of all
+    # one for each source, limited by the total of all sources
     assert answers == 20
 
 
@@ -287,7 +287,7 @@ def test_a_client_that_never_reads_is_dropped_and_others_go_on(strict: Opened) -
         while not counted(strict.ports, Refusal.STOPPED_READING):
             frame += 1
             strict.ports.publish(state(frame, 2000))
-            # the one that reads gets on, whatever the other does
+            # the reading client proceeds, whatever the other does
             while seen < frame:
                 seen = json.loads(reader.recv(LONG))["frame"]
         assert strict.ports.refusals.counts == {(Refusal.STOPPED_READING, Peer.WEBSOCKET): 1}

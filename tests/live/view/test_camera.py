@@ -1,4 +1,4 @@
-"""The camera of the page: no key of the avatar moves it, views frame the avatar, and Home brings the first one back."""
+"""Camera of the page: no key of the avatar moves it, views frame the avatar, and Home brings the first one back."""
 
 import re
 from pathlib import Path
@@ -18,7 +18,7 @@ from avatarsim.scene.tracker import link_poses  # noqa: E402
 from avatarsim.spatial import rotation  # noqa: E402
 
 CONTROLS = Path(viser.__file__).parent / "client" / "src" / "CameraControls.tsx"
-"""Where the installed viser lists the physical keys that fly its camera."""
+"""File of the installed viser with the physical keys that fly its camera."""
 
 
 def test_no_key_of_the_avatar_flies_the_camera() -> None:
@@ -60,7 +60,7 @@ def test_worlds_side_by_side_are_all_in_the_first_view() -> None:
     across = [(place - seen.position) @ right / ((place - seen.position) @ ahead) for place in places[0] + offsets]
     wide = 1.5 * np.tan(0.5 * FIELD)
     assert -0.9 * wide < across[0] < 0.0 < across[1] < 0.5 * wide
-    # far enough that no table is in the other
+    # far enough apart that the tables do not overlap
     assert np.linalg.norm(step) > 0.9
 
 

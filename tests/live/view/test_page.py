@@ -1,4 +1,4 @@
-"""The page on the server's side: what a drag into a table changes in the scene that viewers get."""
+"""The page on the server's side: effect of a drag into a table on the scene that viewers get."""
 
 import re
 import threading
@@ -24,7 +24,7 @@ SECONDS = 60.0
 
 
 def soon(is_true: Callable[[], bool]) -> bool:
-    """Return True once a condition is met, False where it is not for long."""
+    """Return True once a condition is met, False if it is not met for long."""
     end = time.monotonic() + SECONDS
     while not is_true() and time.monotonic() < end:
         time.sleep(0.05)
@@ -38,7 +38,7 @@ def inside(page: Page) -> list[float]:
 
 @pytest.fixture
 def page(tmp_path: Path) -> Iterator[Page]:
-    """The page of the hand over the table, in its rounds."""
+    """Yield the page of the hand over the table, with its rounds running."""
     found, is_over = stage("hand"), threading.Event()
     beside = Plan(OURS, found.scene, Settings(preset="paper"), 60.0, name="other")
     with Session([Plan(OURS, found.scene, Settings(), 60.0)]) as session:

@@ -1,4 +1,4 @@
-"""Admission to the page's socket: a page elsewhere, or one that came by another name, is cut; the own page is served."""
+"""Admission to the page's socket: other pages, or requests by another host name, are cut; the own page is served."""
 
 import socket
 from collections.abc import Iterator
@@ -25,7 +25,7 @@ def server() -> Iterator[AdmittingServer]:
 
 
 def client(server: AdmittingServer, host: str = "127.0.0.1", origin: str | None = None) -> ClientConnection:
-    """A client that says it asks for `host` and comes from `origin`, whatever it reaches."""
+    """Return a client with `host` and `origin` in its headers, whatever address it reaches."""
     end = socket.create_connection(("127.0.0.1", server.get_port()), SECONDS)
     uri = f"ws://{host}:{server.get_port()}"
     return connect(uri, sock=end, origin=origin, subprotocols=[f"viser-v{viser.__version__}"], compression=None)  # type: ignore[arg-type,list-item]

@@ -1,4 +1,4 @@
-"""A drive as a page, and a window on a loop of one's own."""
+"""A drive as a page, and a window for the user's own loop."""
 
 import io
 import json
@@ -26,7 +26,7 @@ FRAMES = 120
 
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A recording of an arm that is pushed into a table."""
+    """Return a recording of an arm that is pushed into a table."""
     path, ran, engine = tmp_path_factory.mktemp("share") / "a.live", plan(), AvatarsimEngine()
     first = engine.load(ran.scene, ran.settings, 1.0 / RATE)
     log = Recorder(path, ran, first.state_hash())

@@ -1,4 +1,4 @@
-"""Words and numbers of the page: overlaps, what an avatar does, counts of refusals that quote no message."""
+"""Words and numbers of the page: overlaps, the avatar's action, counts of refusals that quote no message."""
 
 import re
 from dataclasses import replace
@@ -37,7 +37,7 @@ def test_numbers_over_the_scene_are_of_the_user_and_of_each_engine_and_names_are
 
 
 def states(speed: float, statuses: dict[str, int] | None = None, impacts: int = 0) -> list[State]:
-    """Two states in which body 0 and the root, 1, move at a speed [m/s]."""
+    """Return two states in which body 0 and the root, 1, move at a speed [m/s]."""
     def one(frame: int) -> State:
         positions = np.full((2, 3), speed * frame / 60.0) / np.sqrt(3.0)
         return State(frame, frame / 60.0, positions, np.tile((1.0, 0.0, 0.0, 0.0), (2, 1)), np.zeros(0), 0, -1, 0, False, 0, 0,
