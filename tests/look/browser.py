@@ -1,6 +1,6 @@
-"""A headless Chromium led over a pipe, in the words of its DevTools protocol; standard library only.
+"""A headless Chromium driven over a pipe by its DevTools protocol; standard library only.
 
-Every request and every word on the console is kept. Nothing is downloaded: a browser has to be installed.
+Every request and every console message is recorded. Nothing is downloaded: a browser has to be installed.
 """
 
 import base64
@@ -53,7 +53,7 @@ class Browser:
         command = [program(), *FLAGS, f"--user-data-dir={self._home.name}", "about:blank"]
 
         def as_three_and_four() -> None:
-            # the protocol's fixed places; through high numbers, since either end may already be 3 or 4
+            # the protocol's fixed descriptors; through high numbers, since either end may already be 3 or 4
             read, write = os.dup2(orders_out, 98), os.dup2(answers_in, 99)
             os.dup2(read, 3)
             os.dup2(write, 4)
@@ -92,7 +92,7 @@ class Browser:
         return self._number
 
     def tell(self, method: str, **about: object) -> Answer:
-        """Give one order and wait for its answer. RuntimeError when it is refused or none comes."""
+        """Send one command and return its answer. Raises RuntimeError if it is refused or no answer comes."""
         number, until = self._send(method, about), time.monotonic() + PATIENCE
         for message in self._heard(until):
             if message.get("id") == number:
@@ -128,31 +128,31 @@ class Browser:
             self.loaded = True
 
     def open(self, page: Path, hash_: str = "") -> None:
-        """Load a page from disk, at "#..." if given, and wait until it is there."""
+        """Load a page from disk, at "#..." if given, and wait until it is loaded."""
         self.loaded = False
         self.visit(page.resolve().as_uri() + hash_)
         until = time.monotonic() + PATIENCE
         while not self.loaded:
             if time.monotonic() > until:
                 raise RuntimeError(f"{page} was not loaded within {PATIENCE:g} s")
-            # an order to the page itself is refused in the instant in which it is exchanged
+            # a command to the page itself is refused at the moment when the page is replaced
             self.tell("Browser.getVersion")
             time.sleep(0.05)
 
     def visit(self, address: str) -> None:
-        """Go to a page of a server, and forget earlier errors and requests."""
+        """Go to a page of a server, and clear earlier errors and requests."""
         self.errors.clear()
         self.requests.clear()
         self.tell("Page.navigate", url=address)
 
     def mouse(self, kind: str, x: float, y: float, is_down: bool = True) -> None:
-        """A "Moved", "Pressed" or "Released" of the left button at a place in the window [px]."""
+        """Send a "Moved", "Pressed" or "Released" of the left button at a place in the window [px]."""
         button = "left" if is_down or kind != "Moved" else "none"
         held = 1 if is_down and kind != "Released" else 0
         self.tell("Input.dispatchMouseEvent", type=f"mouse{kind}", x=x, y=y, button=button, buttons=held, clickCount=1)
 
     def click(self, words: str) -> None:
-        """Click the innermost element that has just these words. RuntimeError without one."""
+        """Click the innermost element with exactly this text. Raises RuntimeError without one."""
         place = self.value(f"""(() => {{
           const found = [...document.querySelectorAll('*')].filter(e => e.textContent.trim() === {json.dumps(words)});
           if (!found.length) return null;
@@ -170,7 +170,7 @@ class Browser:
         self.mouse("Released", x, y)
 
     def key(self, key: str, seconds: float = 0.0) -> None:
-        """Press a key, for some time, and let go of it."""
+        """Press a key, for some time, and release it."""
         code = key if key in NUMBERS else f"Key{key.upper()}"
         about = {"key": key, "code": {" ": "Space"}.get(key, code), "windowsVirtualKeyCode": NUMBERS.get(key) or ord(key.upper())}
         self.tell("Input.dispatchKeyEvent", type="keyDown", **about)
@@ -184,14 +184,14 @@ class Browser:
             self.value(f"document.body.dispatchEvent({event})")
 
     def value(self, expression: str) -> Any:
-        """Return the value of a JavaScript expression in the page. RuntimeError when it throws."""
+        """Return the value of a JavaScript expression in the page. Raises RuntimeError if it throws."""
         found = self.tell("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
         if "exceptionDetails" in found:
             raise RuntimeError(str(found["exceptionDetails"]))
         return found["result"].get("value")
 
     def until(self, expression: str, patience: float = PATIENCE) -> None:
-        """Wait until an expression is true. RuntimeError when it never is."""
+        """Wait until an expression is true. Raises RuntimeError if it never is."""
         end = time.monotonic() + patience
         while not self.value(expression):
             if time.monotonic() > end:
@@ -199,7 +199,7 @@ class Browser:
             time.sleep(0.1)
 
     def screen(self, width: int, height: int, dark: bool = False, scale: float = 1.0) -> None:
-        """Size of the window [px] and the user's taste in colours."""
+        """Set the size of the window [px] and the preferred colour scheme."""
         self.tell("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale, mobile=False)
         wish = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
         self.tell("Emulation.setEmulatedMedia", features=[wish])
@@ -209,7 +209,7 @@ class Browser:
         self.tell("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(folder.resolve()))
 
     def picture(self, place: Path, clip: Mapping[str, float] | None = None) -> None:
-        """A screenshot of the window as PNG, or of `clip` (x, y, width, height, scale) of the page."""
+        """Save a screenshot of the window as PNG, or of `clip` (x, y, width, height, scale) of the page."""
         about: dict[str, object] = {"format": "png"}
         if clip:
             about |= {"clip": dict(clip), "captureBeyondViewport": True}

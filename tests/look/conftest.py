@@ -1,4 +1,4 @@
-"""Windows in which pages are looked at: wide and narrow, light and dark."""
+"""Windows in which pages are tested: wide and narrow, light and dark."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -23,7 +23,7 @@ COLOURS = """
 
 @pytest.fixture(scope="module", params=WINDOWS)
 def opened(request: pytest.FixtureRequest) -> Iterator[tuple[Browser, str]]:
-    """A browser with a window of each size, in each taste, and a name for its screenshots."""
+    """Yield a browser with a window of each size, in each colour scheme, and a name for its screenshots."""
     size, _, colours = request.param.partition("-")
     SCREENSHOTS.mkdir(parents=True, exist_ok=True)
     with browser(*SIZES[size], dark=colours == "dark") as one:

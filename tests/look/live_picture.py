@@ -2,7 +2,7 @@
 
     python -m tests.look.live_picture
 
-Needs a Chromium. Writes docs/pictures/live.webp: it is of no run, as those in reports/pictures are.
+Needs a Chromium. Writes docs/pictures/live.webp, which belongs to no run, unlike those in reports/pictures.
 """
 
 import base64
@@ -24,7 +24,7 @@ SHOWN = (640, 418)
 PAUSE = 0.08
 """[s] between two frames of the picture."""
 WAYS = ((0, 300, 22), (60, 0, 10), (-60, -300, 18))
-"""Ways of the mouse [px], and in how many frames."""
+"""Mouse paths [px], and their numbers of frames."""
 
 
 def main() -> None:

@@ -1,7 +1,7 @@
-"""Pages of cleaned clips in a browser: opened from disk they complain of nothing, request nothing, draw, play, lead to moments.
+"""Pages of cleaned clips in a browser: opened from disk they report no error, request nothing, draw, play, lead to moments.
 
 Not part of `make test`, which needs no browser: `make look` runs it on clips made here, and leaves screenshots in
-reports/out/look/ for eyes.
+reports/out/look/ for inspection.
 """
 
 import json
@@ -23,8 +23,8 @@ HOSTILE = "</script><script>document.title='taken'</script>.bvh"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Cleaned clips: of a figure that goes into the floor in the middle, one in a folder, one with a name that is a script, and
-    one of a robot; with a file that is none."""
+    """Return cleaned clips: of a figure that enters the floor in the middle, one in a folder, one with a script as its name, and
+    one of a robot; with a file that is no clip."""
     base = tmp_path_factory.mktemp("look")
     bvh(base / "in" / "sinks.bvh", frames=40)
     bvh(base / "in" / "deep" / "er" / "free.bvh", frames=6, sinks=-0.3)
@@ -37,7 +37,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def quiet(one: Browser, page: Path) -> None:
-    """Check that nothing is on the console, no address is requested but the page's own, and nothing is wider than the window."""
+    """Check that the console is empty, only the page's own address is requested, and nothing is wider than the window."""
     assert one.errors == []
     assert [asked for asked in one.requests if not asked.endswith((page.resolve().as_uri(), "/out/pages/three.js"))] == []
     assert one.value("document.documentElement.scrollWidth <= window.innerWidth")
@@ -101,7 +101,7 @@ def test_a_clip_plays_and_is_led_by_slider_keys_and_line(folder: Path, opened: t
     one.value(f"document.getElementById('line').dispatchEvent({click})")
     one.until(f"{SHOWN} === 20")
     assert one.value("document.getElementById('now').getAttribute('x')") == "20"
-    # to the end by itself, and again from the start
+    # plays to the end, and again from the start
     one.press(["End"])
     one.press(" ")
     one.until(f"{SHOWN} < 30 && {SHOWN} > 0")
@@ -119,7 +119,7 @@ def test_parts_are_drawn_as_chosen_and_a_free_clip_has_nothing_red(folder: Path,
         one.value(f"document.querySelector(\"[{part}]\").click()")
         pictures.append(one.value(PICTURE))
     assert len(set(pictures)) == 5
-    # the lines on the ground are left
+    # the lines on the ground remain
     lines = one.value(COLOURS)
     one.value("document.querySelector('[data-view]').click()")
     assert 1 < lines < one.value(COLOURS)

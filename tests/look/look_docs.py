@@ -18,7 +18,7 @@ pytestmark = pytest.mark.parametrize("opened", ["wide-light", "narrow-dark"], in
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The site, as `make docs` builds it."""
+    """Return the site, as `make docs` builds it."""
     folder = tmp_path_factory.mktemp("site")
     command = [sys.executable, "-m", "sphinx", "-q", "-W", "-b", "html", "-d", str(folder / "doctrees"), "-c", "docs", "."]
     subprocess.run([*command, str(folder / "html")], cwd=ROOT, check=True)
@@ -27,7 +27,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_every_page_is_quiet_and_fits_the_window(site: Path, opened: tuple[Browser, str]) -> None:
     one, size = opened
-    # the first page of the folder itself goes on to another one, which has a test of its own
+    # the first page of the folder itself redirects to another one, which has a test of its own
     pages = sorted({*site.rglob("*.html")} - {site / "index.html"})
     assert len(pages) > 15
     for page in pages:

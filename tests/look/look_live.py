@@ -1,7 +1,7 @@
 """The live page in a browser: it comes up at once and requests nothing beyond its own address; a hand that is dragged through
 table and wall never overlaps by the judge; switches, keys and recordings work as labelled.
 
-Not part of `make test`, which needs no browser: `make look` runs it, and leaves screenshots in reports/out/look/ for eyes.
+Not part of `make test`, which needs no browser: `make look` runs it, and leaves screenshots in reports/out/look/ to inspect.
 """
 
 import threading
@@ -31,13 +31,13 @@ from tests.look.browser import Browser, browser
 from tests.look.conftest import SCREENSHOTS
 
 WARM = 5.0
-"""[s] in which the page is to be there."""
+"""[s] in which the page has to appear."""
 OF_LIBRARIES = ("THREE.Clock", "preventDefault inside passive", "Software WebGL")
-"""Words of viser's own page on the console: nothing of ours."""
+"""Console messages of viser's own page, which are ignored."""
 HUD = "!!document.querySelector('[data-overlap]')"
 RED = (80, 40)
-"""Red of a pixel above its green and blue at least, and difference of these at most: overlapping parts and the ghost, in light
-and in shade."""
+"""Least excess of a pixel's red over its green and blue, and largest difference of these: overlapping parts and the ghost, in
+light and in shade."""
 COVERED = """(() => {
   const boxes = (which) => [...document.querySelectorAll(which)].map((each) => each.getBoundingClientRect());
   const over = boxes("#root .mantine-Paper-root, .mantine-Notification-root");
@@ -63,7 +63,7 @@ class Running:
 
     @property
     def state(self) -> State:
-        """The shown state."""
+        """Newest shown state."""
         state = self.session.first.state
         assert state is not None
         return state
@@ -98,20 +98,20 @@ class Running:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where recordings are saved."""
+    """Return the folder of saved recordings."""
     return tmp_path_factory.mktemp("live")
 
 
 @pytest.fixture(scope="module")
 def running(folder: Path) -> Iterator[Running]:
-    """The hand over the table."""
+    """Yield the running page of the hand over the table."""
     with Running("hand", folder) as one:
         yield one
 
 
 @pytest.fixture(scope="module")
 def seen(running: Running) -> Iterator[Browser]:
-    """A browser on it."""
+    """Yield a browser that shows it."""
     SCREENSHOTS.mkdir(parents=True, exist_ok=True)
     with browser(1400, 900) as one:
         begun = time.monotonic()
@@ -123,7 +123,7 @@ def seen(running: Running) -> Iterator[Browser]:
 
 
 def quiet(one: Browser, running: Running) -> None:
-    """Nothing of ours on the console, and no address but the page's own."""
+    """Check that the console has no message of ours, and only the page's own address is requested."""
     assert [error for error in one.errors if not any(known in error for known in OF_LIBRARIES)] == []
     own = (running.page.address, running.page.address.replace("http", "ws"), "data:", "blob:")
     assert [address for address in one.requests if not address.startswith(own)] == []

@@ -1,7 +1,7 @@
-"""The report in a browser: opened from disk it complains of nothing, requests nothing, draws everything and plays.
+"""The report in a browser: opened from disk it reports no error, requests nothing, draws everything and plays.
 
 Not part of `make test`, which needs no browser: `make look` runs it on a small run made by hand and on the last run, and leaves
-screenshots in reports/out/look/ for eyes.
+screenshots in reports/out/look/ for inspection.
 """
 
 import json
@@ -22,15 +22,15 @@ from tests.look.conftest import SCREENSHOTS
 
 OUT = Path(__file__).resolve().parents[2] / "reports" / "out"
 TALLEST = 6_000
-"""Height [px] of the index of a full run that is still read to its end, at the width of `wide`."""
+"""Largest height [px] of the index of a full run that is still read to its end, at the width of `wide`."""
 LARGEST_GIF = 20_000_000
-"""Bytes; a moving picture of a whole scene that is larger is too large to send."""
+"""Bytes of the largest moving picture of a whole scene that can still be sent."""
 STRIPS = ("overlap", "bounce", "limits", "time")
 
 
 @pytest.fixture(scope="module", params=["by hand", "last"])
 def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a report: made here, and the last run's where there is one with recordings."""
+    """Return a folder with a report: made here, and the last run's if it has recordings."""
     last = OUT / "latest"
     if request.param == "by hand" or not (last / "scenes").exists():
         return pages.by_hand(tmp_path_factory.mktemp("look") / "run")
@@ -233,7 +233,7 @@ def test_a_scene_plays(run: Path, opened: tuple[Browser, str]) -> None:
         one.value("document.querySelector('[data-part=play]').click()")
         assert one.value("document.getElementById('replay').dataset.state") == "playing"
         one.until(f"{pages.SHOWN} >= 3")
-        # a short scene may have come to its end by now, which pauses it too: a click would play it again
+        # a short scene may have ended by now, which pauses it too: a click would play it again
         playing = "document.getElementById('replay').dataset.state === 'playing'"
         one.value(f"{playing} && document.querySelector('[data-part=play]').click()")
         assert one.value("document.getElementById('replay').dataset.state") == "paused"
@@ -296,7 +296,7 @@ def test_buttons_lead_to_the_worst_moments(run: Path, opened: tuple[Browser, str
             one.until(f"{pages.SHOWN} === {moment['state']}")
             linked = float(one.value("location.hash").removeprefix("#t="))
             assert linked == pytest.approx(moment["state"] * data["step"], rel=1e-5)
-            # the view of the engine that the button is about is on the screen
+            # the view of the button's engine is on the screen
             box = f"document.querySelectorAll('.view')[{number}].getBoundingClientRect()"
             assert one.value(f"{box}.top >= -1 && {box}.bottom <= window.innerHeight + 1")
             if found := re.match(r"overlap of ([0-9.,]+ (?:nm|µm|mm|m)\b)", moment["said"]):

@@ -1,7 +1,7 @@
-"""The page of tracked hands and the example of a renderer in a browser: nothing on the console, no request beyond loopback.
+"""The page of tracked hands and the example of a renderer in a browser: empty console, no request beyond loopback.
 
-Not part of `make test`, which needs no browser: `make look` runs it, and leaves screenshots in reports/out/look/ for eyes. Hands
-come from a headset that a script plays, since no browser here has one.
+Not part of `make test`, which needs no browser: `make look` runs it, and leaves screenshots in reports/out/look/. Hands
+come from a scripted headset, since no browser here has one.
 """
 
 import math
@@ -55,7 +55,7 @@ class Silent(SimpleHTTPRequestHandler):
 
 @pytest.fixture
 def ports() -> Iterator[Opened]:
-    """Ports of a scene with a table and a hand, which show one state."""
+    """Yield ports of a scene with a table and a hand, which show one state."""
     one = Opened()
     one.ports.start()
     yield one
@@ -64,11 +64,11 @@ def ports() -> Iterator[Opened]:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """The example's folder with a copy of three.js, served as a user would: python -m http.server."""
+    """Yield the address of the example's folder with a copy of three.js, served as a user would: python -m http.server."""
     copied = tmp_path_factory.mktemp("renderer")
     for file in RENDERER.iterdir():
         shutil.copy(file, copied)
-    # the copy that is at hand is a script of the time before modules; it makes a global name
+    # the available copy is a script from before modules; it makes a global name
     exported = """export const { BufferGeometry, Float32BufferAttribute, Mesh, MeshLambertMaterial, PerspectiveCamera, Scene,
         WebGLRenderer, DirectionalLight, AmbientLight, REVISION } = self.THREE;"""
     (copied / "three.module.js").write_text(f"{library()}\n{exported}\n", encoding="utf-8")
@@ -95,7 +95,7 @@ def hand_over_table() -> State:
 
 
 def quiet(one: Browser) -> None:
-    """Check that nothing is on the console, nothing requested beyond loopback, nothing wider than the window."""
+    """Check that the console is empty, nothing is requested beyond loopback, nothing is wider than the window."""
     assert one.errors == []
     hosts = {urlsplit(address).hostname for address in one.requests if not address.startswith("data:")}
     assert hosts <= {"127.0.0.1", "localhost"}

@@ -1,4 +1,4 @@
-"""The drives that the docs site plays: opened from disk they report no error, request nothing, fit the window and play."""
+"""Drives on the docs site: opened from disk they report no error, request nothing, fit the window and play."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from tests.look.shown_pages import COLOURS, SHOWN
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The pages, as `make docs` makes them."""
+    """Return the pages, as `make docs` builds them."""
     made = tmp_path_factory.mktemp("shared")
     write(made)
     return made

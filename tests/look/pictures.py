@@ -1,7 +1,7 @@
 """`python -m tests.look.pictures [RUN]`: the pictures of the README, taken from a run's report by a headless browser.
 
 strip.png shows one scene at a few instants, a row per engine, as its page plays it;
-moving.gif is the same scene as its page saves it. about.json names them, and the run, the commit and the day they are of.
+moving.gif is the same scene as its page saves it. about.json names them, with their run, commit and day.
 `make headline` writes them together with the README's table.
 """
 
@@ -29,16 +29,16 @@ SCENE, RUNS = "mocap_punch_wall", tuple(map(run_label, ("avatarsim/default", "mu
 SHARES = (0.08, 0.22, 0.31, 0.42, 0.55)
 """Instants of the strip, as shares of the scene's length."""
 TURNS = 7 * "d" + 4 * "s"
-"""Keys that lead the eye round from where the page begins."""
+"""Keys that turn the eye from its first direction."""
 NEARER = 5 * "+"
-"""Keys that bring the moving picture's eye nearer than one that holds the whole room: it has a quarter of the width."""
+"""Keys that bring the moving picture's eye nearer than one that shows the whole room: it has a quarter of the width."""
 REPORT = (1280, 1000)
 CELL = (360, 270)
 """Size [px] of a view on the page; in the strip each takes NARROW."""
 NARROW = 250
 MOVING, STRIP, ABOUT = "moving.gif", "strip.png", "about.json"
 LARGEST = 500_000
-"""Bytes at most of the moving picture: a README is read over slow lines too."""
+"""Largest size of the moving picture [bytes]: a README is read over slow lines too."""
 SMALLER = ((240, 1.0), (200, 1.0), (200, 2.0), (170, 2.0), (140, 2.0))
 """(width of a view [px], speed) of the moving picture, tried in this order until it is small enough."""
 
@@ -59,7 +59,7 @@ def views(one: Browser, page: Path, folder: Path) -> list[list[Path]]:
     wanted = chosen(one, page)
     one.value(f"document.querySelector('.stage').style.cssText = 'display:grid;grid-template-columns:repeat(3, {CELL[0]}px)'")
     one.value(f"document.querySelectorAll('.picture').forEach((one) => {{ one.style.height = '{CELL[1]}px'; }})")
-    # from where a fist in the wall is seen from the side
+    # from a side view of the fist in the wall
     one.press(TURNS)
     last = int(one.value("document.querySelector('[data-part=bar]').max"))
     step = float(one.value("page.replay.times[1]"))
@@ -81,7 +81,7 @@ def views(one: Browser, page: Path, folder: Path) -> list[list[Path]]:
 
 
 def strip(rows: Sequence[Sequence[Path]], to: Path) -> None:
-    """All pictures as one, rows under each other."""
+    """Save all pictures as one, rows under each other."""
     pictures = [[Image.open(path).convert("RGB") for path in row] for row in rows]
     wide, high = (max(picture.size[axis] for row in pictures for picture in row) + 4 for axis in (0, 1))
     whole = Image.new("RGB", (wide * len(pictures[0]), high * len(pictures) - 4), "white")
@@ -92,7 +92,7 @@ def strip(rows: Sequence[Sequence[Path]], to: Path) -> None:
 
 
 def moving(one: Browser, page: Path, folder: Path) -> Path:
-    """Return the scene as its page saves it, a view per engine of RUNS side by side. RuntimeError when it stays too large."""
+    """Return the scene as its page saves it, a view per engine of RUNS side by side. Raises RuntimeError if it is too large."""
     one.downloads(folder)
     for width, speed in SMALLER:
         columns = len(chosen(one, page))
@@ -102,7 +102,7 @@ def moving(one: Browser, page: Path, folder: Path) -> Path:
         )
         one.value(f"""document.querySelectorAll('.picture').forEach((one) => {{ one.style.height = '{3 * width // 4}px';
             one.nextElementSibling.style.cssText = 'height:44px;min-height:0;overflow:hidden'; }})""")
-        # from one place, so that things at rest need not be drawn again
+        # from one place, so that resting bodies need not be drawn again
         one.value("(() => { const box = document.querySelector('[data-part=follow]'); if (box.checked) box.click(); })()")
         one.press(TURNS + NEARER)
         one.value(f"""(() => {{ const box = document.querySelector('[data-part=speed]');

@@ -19,7 +19,7 @@ LONG = 1300
 MARKUP = "<b>odd</b> & <img src=x onerror=alert(1)>"
 
 SHOWN = "Number(document.getElementById('replay').dataset.frame)"
-"""The state that the replay shows."""
+"""State that the replay shows."""
 PIXELS = """
 new Promise((done) => {
   window.dispatchEvent(new Event("resize"));
@@ -40,7 +40,7 @@ BLANK = """
       && !place.querySelector("[aria-label]");
 }).map((place) => place.dataset.chart)
 """
-"""Charts that are not drawn, or have no words in place of the picture."""
+"""Charts that are not drawn, or have no text in place of the picture."""
 PAGE_IS_DRAWN = """
 typeof page !== "undefined" && Object.keys(page.specs).every((name) => !document.querySelector(`[data-chart="${name}"]`)
     || views[name] && document.querySelector(`[data-chart="${name}"] svg`))
@@ -72,7 +72,7 @@ CONTROLS = """
 
 
 def _aside(path: Path) -> None:
-    """Let all end after half a second, with the ball in sight, and put the hand aside in states that are not drawn themselves."""
+    """End all motion after half a second, with the ball in sight, and move the hand aside in states not drawn themselves."""
     arrays = array_file.read(path)
     for name in ("positions", "raw_positions"):
         arrays[name][30:] = arrays[name][29]
@@ -115,7 +115,7 @@ def show(one: Browser, page: Path, hash_: str = "") -> None:
 
 
 def replayed(one: Browser, page: Path, hash_: str = "") -> None:
-    """Open a page of a scene and wait until its replay has drawn a state; skips the test without WebGL."""
+    """Open a page of a scene and wait until its replay has drawn a state; skip the test without WebGL."""
     show(one, page, hash_)
     one.until("['paused', 'no-webgl'].includes(document.getElementById('replay').dataset.state)")
     if one.value("document.getElementById('replay').dataset.state") == "no-webgl":
@@ -124,7 +124,7 @@ def replayed(one: Browser, page: Path, hash_: str = "") -> None:
 
 
 def quiet(one: Browser, page: Path) -> None:
-    """Check that nothing is on the console, no address is requested but the page's own, and nothing is wider than the window."""
+    """Check that the console is empty, only the page's own address is requested, and nothing is wider than the window."""
     assert one.errors == []
     own = (page.resolve().as_uri(), *(f"{(folder / 'lib').as_uri()}/" for folder in page.resolve().parents[:2]), "data:", "blob:")
     assert [asked for asked in one.requests if not asked.startswith(own)] == []
