@@ -1,4 +1,4 @@
-"""Limits on untrusted files: what is at a limit passes, what is beyond is refused with the limit, before it is read."""
+"""Limits on untrusted files: values at a limit pass, values beyond are refused with the limit, before the file is read."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Values of files that are present and wrong are refused by name, with value and range; what is left out has its default."""
+"""Wrong values in files are refused by name, with value and range; missing ones have their defaults."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -54,7 +54,7 @@ MJCF = """<mujoco model="two">
 </mujoco>"""
 
 NUMBERS = ("nan", "inf", "-inf", "1e999", "some", "", "1 2 3 4 5 6 7")
-"""What is no value of any attribute."""
+"""Texts that are valid for no attribute."""
 
 ATTRIBUTES: tuple[tuple[str, str, str, str, tuple[str, ...]], ...] = (
     ("urdf", 'mass value="', "2.0", "link base", ("-2",)), ("urdf", 'ixx="', "0.021", "link base", ("-0.02",)),
@@ -83,10 +83,10 @@ ATTRIBUTES: tuple[tuple[str, str, str, str, tuple[str, ...]], ...] = (
     ("xml", 'palm" type="cylinder" size="', "0.031 0.05", "palm", ("0 1",)),
     ("xml", 'density="', "500", "geom palm", ("-500",)),
 )
-"""Format, text before a value, the value, what the error is about, and values that are numbers and wrong."""
+"""Format, text before a value, the value, the subject of the error, and wrong values that are numbers."""
 
 ANY_LENGTH = ("friction", "damping", "stiffness", "size")
-"""Attributes that hold as many numbers as they please."""
+"""Attributes with any count of numbers."""
 
 
 def written(folder: Path, form: str, text: str) -> Path:
@@ -133,7 +133,7 @@ def test_what_is_left_out_of_a_model_has_its_default(tmp_path: Path) -> None:
     assert massless.avatar is not None and any("without mass" in said and "base" in said for said in massless.said)
     inferred = URDF[: URDF.index("<inertial>")] + URDF[URDF.index("<visual>") :]
     without = av.load_avatar(written(tmp_path, "urdf", inferred)).avatar
-    # of the density of water
+    # from the density of water
     assert without is not None and without.links[0].mass.mass == pytest.approx(massless.avatar.links[0].mass.mass, rel=0.02)
     free = av.load_avatar(written(tmp_path, "xml", MJCF.replace(' range="-60 90"', "").replace("0 40", "0 0"))).avatar
     joint, ball = free.links[1].joint, free.links[2].joint

@@ -1,4 +1,4 @@
-"""Every test of this room has a cache folder of its own."""
+"""A cache folder of its own for every mesh test."""
 
 from pathlib import Path
 
@@ -9,5 +9,5 @@ from tests.own_cache import keep_pieces_in
 
 @pytest.fixture(autouse=True)
 def cache_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder in which entries land."""
+    """Return the folder for cache entries."""
     return keep_pieces_in(tmp_path / "cache", monkeypatch)

@@ -11,15 +11,15 @@ Soup = tuple[Array, Indices]
 
 ELL = np.array([(0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)])
 ELL_CAPS = ((0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5))
-"""An L of arms 3 long and 1 wide, and the triangles of its face."""
+"""Triangles of the face of an L with arms 3 long and 1 wide."""
 
 CHANNEL = np.array([(0.0, 0.0), (3.0, 0.0), (3.0, 2.0), (2.0, 2.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)])
 CHANNEL_CAPS = ((0, 1, 4), (0, 4, 5), (1, 2, 3), (1, 3, 4), (0, 5, 6), (0, 6, 7))
-"""A U 3 wide and 2 high, whose notch is 1 wide and 1 deep."""
+"""Triangles of the face of a U 3 wide and 2 high, with a notch 1 wide and 1 deep."""
 
 
 def prism(outline: Array, caps: tuple[tuple[int, int, int], ...], height: float = 1.0) -> Soup:
-    """A counter-clockwise outline (n, 2) drawn up from z = 0 to `height`; triangles face outwards."""
+    """Return a counter-clockwise outline (n, 2) extruded from z = 0 to `height`; triangles face outwards."""
     n = len(outline)
     vertices = np.vstack([np.c_[outline, np.zeros(n)], np.c_[outline, np.full(n, height)]])
     below = [(a, c, b) for a, b, c in caps]
@@ -43,7 +43,7 @@ def cube(low: float = 0.0, high: float = 1.0) -> Soup:
 
 
 def torus(ring: float = 1.0, tube: float = 0.3, around: int = 24, across: int = 12) -> Soup:
-    """A torus about z, closed and facing outwards."""
+    """Return a torus about z, closed and facing outwards."""
     u, v = np.meshgrid(2 * np.pi * np.arange(around) / around, 2 * np.pi * np.arange(across) / across, indexing="ij")
     out = ring + tube * np.cos(v)
     vertices = np.stack([out * np.cos(u), out * np.sin(u), tube * np.sin(v)], axis=-1).reshape(-1, 3)
@@ -54,7 +54,7 @@ def torus(ring: float = 1.0, tube: float = 0.3, around: int = 24, across: int = 
 
 
 def together(*soups: Soup) -> Soup:
-    """Several meshes as one list of vertices and triangles."""
+    """Return several meshes as one list of vertices and triangles."""
     shift = np.cumsum([0, *(len(vertices) for vertices, _ in soups)])
     triangles = [t + s for (_, t), s in zip(soups, shift, strict=False)]
     return np.concatenate([vertices for vertices, _ in soups]), np.concatenate(triangles)
@@ -66,7 +66,7 @@ def mesh(soup: Soup, name: str = "thing") -> Mesh:
 
 
 def obj_text(*soups: Soup) -> str:
-    """An OBJ file with one group per mesh."""
+    """Return an OBJ file with one group per mesh."""
     lines, first = [], 1
     for k, (vertices, triangles) in enumerate(soups):
         lines.append(f"o part{k}")
@@ -77,7 +77,7 @@ def obj_text(*soups: Soup) -> str:
 
 
 def surface_points(soup: Soup, count: int, seed: int = 0) -> Array:
-    """Points spread evenly and at random over the surface."""
+    """Return points distributed uniformly at random over the surface."""
     vertices, triangles = soup
     corners = vertices[triangles]
     rng = np.random.default_rng(seed)
@@ -88,13 +88,13 @@ def surface_points(soup: Soup, count: int, seed: int = 0) -> Array:
 
 
 def knot() -> Soup:
-    """A torus of which one vertex is pulled across its hole, through the other side."""
+    """Return a torus of which one vertex is pulled across its hole, through the other side."""
     vertices, triangles = torus(around=12, across=8)
     vertices[0] += [-2.2, 0.07, 0.03]
     return vertices, triangles
 
 
 def through(soup: Soup) -> Soup:
-    """A mesh and a turned copy of it that go through one another; no edge of one lies in a face of the other."""
+    """Return a mesh with a turned copy of it, which intersect; no edge of one lies in a face of the other."""
     turn = np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
     return together(soup, (soup[0] @ turn.T + [0.3, 0.2, 0.4], soup[1]))

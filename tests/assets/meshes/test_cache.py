@@ -1,4 +1,4 @@
-"""Kept answers: the same bits back, damage found, folders that cannot be written to, writers at once."""
+"""Cached results: the same bits back, damage detected, unwritable folders, concurrent writers."""
 
 import subprocess
 import sys
@@ -44,7 +44,7 @@ def test_every_wish_and_every_number_of_the_mesh_is_in_the_key(wish: dict[str, o
 
 
 def test_where_nothing_can_be_written_the_answer_is_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    # a file where the folder should be stops every user, root too
+    # a file in place of the folder stops every user, root too
     blocked = tmp_path / "blocked"
     blocked.write_text("", encoding="utf-8")
     monkeypatch.setattr(cache, "_folders", lambda: iter([blocked / "pieces"]))

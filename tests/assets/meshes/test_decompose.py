@@ -1,4 +1,4 @@
-"""CoACD in its own process: the same bits again, silence, and errors that say what happened. (A small L: a second each.)"""
+"""CoACD in its own process: the same bits again, no output, and errors that state the cause. (A small L: a second each.)"""
 
 import sys
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Hulls of few vertices hold all of a hull, and add no more than is reported."""
+"""Hulls of few vertices contain all of a hull, and add no more than is reported."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from avatarsim.assets.meshes.hulls import Hull, hull_of
 
 
 def cloud(seed: int, count: int) -> Hull:
-    """Hull of points on an ellipsoid with noise."""
+    """Return the hull of points on an ellipsoid with noise."""
     rng = np.random.default_rng(seed)
     points = rng.normal(size=(count, 3))
     points *= rng.uniform(0.8, 1.0, (count, 1)) / np.linalg.norm(points, axis=1, keepdims=True)

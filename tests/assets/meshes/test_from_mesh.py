@@ -1,4 +1,4 @@
-"""`pieces_of_mesh` from the outside: what is taken as it is, what is decomposed, what is refused, what is kept."""
+"""`pieces_of_mesh` from the outside: meshes used as they are, decomposed, refused, or cached."""
 
 from pathlib import Path
 from typing import Any
@@ -83,13 +83,13 @@ def test_a_mesh_that_is_not_convex_is_decomposed_and_kept(cache_folder: Path) ->
     assert found.source == "decomposed" and len(found.pieces) == 2 and not found.from_cache
     assert sum(volume(piece.shape) for piece in found.pieces) == pytest.approx(5e-3, rel=0.01)
     assert found.reached <= found.hausdorff < 0.006 * found.size
-    # the same in another unit is read, not computed, and is the same in its unit
+    # the same mesh in another unit is read from the cache, and is the same in its unit
     again = pieces_of_mesh(ell(), scale=1.0)
     assert again.from_cache and again.cache_note.startswith("read from")
     assert again.hausdorff == pytest.approx(10.0 * found.hausdorff)
     for k in range(2):
         np.testing.assert_allclose(points(again, k), 10.0 * points(found, k), rtol=1e-14)
-    # a damaged entry is computed anew, to the same bits, and said
+    # a damaged entry is computed anew, to the same bits, with a note
     (entry,) = cache_folder.iterdir()
     whole = entry.read_bytes()
     entry.write_bytes(whole[:-20])
@@ -108,7 +108,7 @@ def test_pieces_hold_the_mesh_within_the_bound() -> None:
     on_mesh = surface_points(soup, 4000)
     assert np.min([hull.distances(on_mesh) for hull in hulls], axis=0).max() <= found.uncovered + 1e-12
     assert found.cache_note == "not kept: kept=False"
-    # the hole is still a hole
+    # the hole is still open
     assert all(hull.heights(np.zeros((1, 3)))[0] > 0.0 for hull in hulls)
     assert found.hausdorff < 0.15 * found.size
 

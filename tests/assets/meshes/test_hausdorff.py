@@ -1,4 +1,4 @@
-"""The bound of the Hausdorff distance against its dumb twin: dense samples, brute-force distances."""
+"""Bound of the Hausdorff distance compared with a simple twin: dense samples, brute-force distances."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def bounds(hulls: list[Hull], soup: Soup) -> Deviation:
 
 
 def sampled(hulls: list[Hull], soup: Soup, count: int = 3000) -> tuple[float, float]:
-    """The twin: the farthest of many points of the surface from the hulls, and of the hulls' insides from the mesh."""
+    """Return the largest sampled distances: of the surface from the hulls, and of the hulls' insides from the mesh."""
     corners = soup[0][soup[1]]
     on_mesh = surface_points(soup, count)
     out = np.min([hull.distances(on_mesh) for hull in hulls], axis=0).max()
@@ -40,7 +40,7 @@ def sampled(hulls: list[Hull], soup: Soup, count: int = 3000) -> tuple[float, fl
 
 def test_a_missing_arm_is_uncovered() -> None:
     found = bounds(ELL_BOXES[:1], ell())
-    # the far end of the lost arm is 2 above the box that is left
+    # the far end of the lost arm is 2 above the remaining box
     assert found.uncovered == pytest.approx(2.0, rel=0.05)
     assert found.uncovered >= 2.0 - 1e-12 and found.reached == pytest.approx(2.0, abs=1e-9)
 

@@ -1,4 +1,4 @@
-"""A decomposed body in a scene: it falls, lands, lies still, and the judge finds no overlap in any frame."""
+"""A decomposed body in a scene: it falls, lands, comes to rest, and the judge finds no overlap in any frame."""
 
 import numpy as np
 import pytest
@@ -28,6 +28,6 @@ def test_a_decomposed_body_lands_on_a_box(soup: Soup, pieces: int) -> None:
         assert not judge.overlaps(shown.positions, shown.orientations).deepest > 1e-6
         heights.append(float(shown.positions[1, 2]))
     engine.close()
-    # it fell, and something carries it: no corner of its 0.1 m slab is far from the table
+    # it fell, and something supports it: no corner of its 0.1 m slab is far from the table
     assert min(heights) < 0.04 and -1e-3 < heights[-1] < 0.15
     assert np.ptp(heights[-10:]) < 0.02

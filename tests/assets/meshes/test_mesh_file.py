@@ -104,7 +104,7 @@ def test_a_name_in_any_encoding_does_not_spoil_an_stl_text(tmp_path: Path) -> No
 
 @pytest.mark.parametrize("unused", ["", "v 9 9 9\n"])
 def test_a_byte_order_mark_costs_no_vertex(tmp_path: Path, unused: str) -> None:
-    """With a vertex at the end that no face uses, every face would be one vertex off, and no error would say so."""
+    """With a vertex at the end that no face uses, every face would be one vertex off, without an error."""
     vertices = "".join(f"v {x} {y} {z}\n" for x, y, z in cube()[0])
     faces = "".join("f " + " ".join(str(k + 1) for k in face) + "\n" for face in cube()[1])
     path = tmp_path / "marked.obj"
@@ -149,6 +149,6 @@ def test_without_trimesh_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.
     (tmp_path / "a.stl").write_bytes(b"x")
     with pytest.raises(MissingPackage, match=r"pip install '.*\[assets\]'"):
         read_mesh(tmp_path / "a.stl")
-    # OBJ needs nothing
+    # OBJ needs no package
     (tmp_path / "a.obj").write_text(obj_text(cube()), encoding="utf-8")
     assert len(read_mesh(tmp_path / "a.obj").triangles) == 12

@@ -1,4 +1,4 @@
-"""Meshes that other packages ship: each is read from its package, taken or refused as it deserves."""
+"""Meshes from other packages: each is read from its package, and accepted or refused as it deserves."""
 
 from importlib.util import find_spec
 from pathlib import Path
@@ -16,7 +16,7 @@ from scenarios.data_folder import data_file
 
 
 def hand(name: str) -> Path:
-    """A mesh of the Shadow hand in gymnasium-robotics, found without importing it."""
+    """Return a mesh of the Shadow hand in gymnasium-robotics, found without importing it."""
     found = find_spec("gymnasium_robotics")
     assert found is not None and found.submodule_search_locations
     return Path(next(iter(found.submodule_search_locations))) / "envs" / "assets" / "stls" / "hand" / name

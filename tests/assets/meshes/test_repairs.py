@@ -1,4 +1,4 @@
-"""Repairs of meshes: edges, parts and crossings that they rest on, what is mended, and what is refused by name and number."""
+"""Repairs of meshes: detection of edges, parts and crossings, repaired meshes, and refusals by name and number."""
 
 import numpy as np
 import pytest
@@ -132,7 +132,7 @@ def test_two_cubes_through_each_other(monkeypatch: pytest.MonkeyPatch) -> None:
     pairs = crossing_pairs(*both)
     assert len(pairs) > 0
     assert (np.sort(pairs, axis=1) // 12 == [0, 1]).all()
-    # in small portions the answer is the same
+    # in small portions the result is the same
     monkeypatch.setattr(crossings, "PAIRS_AT_ONCE", 10)
     assert {tuple(sorted(p)) for p in crossing_pairs(*both).tolist()} == {tuple(sorted(p)) for p in pairs.tolist()}
 
@@ -146,7 +146,7 @@ def test_random_triangles_against_a_system_of_equations_per_edge() -> None:
 
 
 def solved(one: np.ndarray, other: np.ndarray) -> bool:
-    """Whether a point on an edge of `one`, where the edge passes the plane of `other`, is in `other`, by barycentrics."""
+    """Return True if an edge of `one` passes the plane of `other` at a point in `other`, by barycentric coordinates."""
     for k in range(3):
         p, q = one[k], one[(k + 1) % 3]
         columns = np.stack([other[1] - other[0], other[2] - other[0], p - q], axis=1)

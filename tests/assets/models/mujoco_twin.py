@@ -1,4 +1,4 @@
-"""MuJoCo's own kinematics of a file, for rows of an avatar's coordinates: what ours is compared with."""
+"""MuJoCo's own kinematics of a file, for rows of an avatar's coordinates: the reference for ours."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,18 +26,18 @@ class Twin:
     def __post_init__(self) -> None:
         spec = mujoco.MjSpec.from_file(str(self.path))
         spec.compiler.fusestatic = False
-        # as ours is compiled: neither moves a frame
+        # compiled like ours: neither option moves a frame
         spec.compiler.balanceinertia, spec.compiler.boundmass, spec.compiler.boundinertia = True, 1e-12, 1e-12
         self.model: Any = spec.compile()
         self.data = mujoco.MjData(self.model)
 
     def joint(self, name: str) -> int:
-        """The number of a joint by what coordinates call it; -1 for a root that MuJoCo has fixed."""
+        """Return the number of a joint by its name in coordinates; -1 for a root that MuJoCo has fixed."""
         found = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, name)
         return found if found >= 0 or name == "root" else int(name.split()[1])
 
     def row(self, model: Model, rng: np.random.Generator) -> Array:
-        """A posture within the file's limits, in the avatar's coordinates; what is fixed is at the reference."""
+        """Return a posture within the file's limits, in the avatar's coordinates; fixed joints are at the reference."""
         row: list[float] = []
         for slot in model.coordinates.slots:
             if slot.kind == "fixed":
@@ -51,13 +51,13 @@ class Twin:
         return np.array(row)
 
     def poses(self, model: Model, row: Array) -> tuple[dict[str, Array], dict[str, Array]]:
-        """Where MuJoCo has each body's link frame (3,) [m], and its turn (4,), in the posture of a row."""
+        """Return MuJoCo's position (3,) [m] and orientation (4,) of each body's link frame in the posture of a row."""
         self.data.qpos[:] = self.model.qpos0
         at, base = 0, (np.zeros(3), np.array(rotation.IDENTITY))
         for slot in model.coordinates.slots:
             width = {"free": 7, "ball": 4}.get(slot.kind, 1)
             if slot.kind == "free" and self.joint(slot.name) < 0:
-                # all of MuJoCo's poses are moved along
+                # all of MuJoCo's poses are moved by this root pose
                 base = row[at : at + 3], row[at + 3 : at + 7]
             elif slot.kind != "fixed":
                 address = self.model.jnt_qposadr[self.joint(slot.name)]
@@ -82,7 +82,7 @@ class Twin:
 
 
 def greatest_difference(twin: Twin, model: Model, postures: int, seed: int = 0) -> float:
-    """How far [m], or in a component of a quaternion, any link is from where MuJoCo has its body, in random postures."""
+    """Return the largest difference of a link [m], or in a component of a quaternion, from MuJoCo's body in random postures."""
     rng, worst = np.random.default_rng(seed), 0.0
     for _ in range(postures):
         row = twin.row(model, rng)

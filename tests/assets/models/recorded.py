@@ -1,4 +1,4 @@
-"""A small human skeleton, and clips of it, for the tests of what is made of skeletons."""
+"""A small human skeleton, and clips of it, for tests of avatars made of skeletons."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ XYZ = ("x", "y", "z")
 
 
 def human_skeleton() -> Skeleton:
-    """A human of 1.7 m that faces +x in the pose of a T, with z up; all joints are balls."""
+    """Return a human of 1.7 m that faces +x in a T pose, with z up; all joints are balls."""
     bones = [
         Bone("Hips", -1, (0.0, 0.0, 0.0)), Bone("Spine", 0, (0.0, 0.0, 0.1)), Bone("Neck", 1, (0.0, 0.0, 0.45)),
         Bone("Head", 2, (0.0, 0.0, 0.1), tips=((0.0, 0.0, 0.2),)),
@@ -30,7 +30,7 @@ def human_skeleton() -> Skeleton:
 
 
 def clip(skeleton: Skeleton, turned: dict[str, tuple[tuple[float, float, float], float]], frames: int = 1) -> Motion:
-    """Equal frames in which some bones are turned about an axis by degrees, against the rest."""
+    """Return equal frames in which some bones are turned about an axis by degrees, relative to rest."""
     positions, rotations, angles = (np.repeat(array[None], frames, axis=0) for array in skeleton.still)
     names = [bone.name for bone in skeleton.bones]
     for name, (axis, degrees) in turned.items():

@@ -1,4 +1,4 @@
-"""What names of joints say, in the conventions that recordings come in, and segments of the body."""
+"""Body parts by names of joints, in the conventions of recordings, and segments of the body."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ STRANGE = {"Prop": "", "Camera": "", "Bone_07": "", "LeftWing": "", "Larm": "upp
 
 @pytest.mark.parametrize("named", [CMU, LAFAN, LAFAN_ARM, MIXAMO, DAZ, SOMA, MAX, ANKLES, ELBOWS, STRANGE])
 def test_names_say_parts(named: dict[str, str]) -> None:
-    """Each convention as a chain: `shoulder` and `leg` are told by what hangs on them and what they hang on."""
+    """Each convention as a chain: `shoulder` and `leg` are identified by their children and parents."""
     skeleton = Skeleton("chain", tuple(Bone(name, k - 1, (0.0, 0.0, 0.1)) for k, name in enumerate(named)))
     found = parts(skeleton)
     said = {name: f"{part.kind} {part.side}".strip() for name, part in zip(named, found, strict=True)}

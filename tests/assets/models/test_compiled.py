@@ -1,4 +1,4 @@
-"""What the compiler's process sends is checked: what is missing, cut off or not finite is an InvalidFile."""
+"""Checks of the compiler process's output: missing, truncated or non-finite data is an InvalidFile."""
 
 import io
 from pathlib import Path
@@ -13,7 +13,7 @@ NONE, ZEROS = np.zeros(0, dtype=np.int32), np.zeros((0, 3))
 
 
 def answer(**changed: object) -> bytes:
-    """A world with one ball on a hinge, as the process would send it, but for what is changed; None leaves an array out."""
+    """Return a world with one ball on a hinge, as the process would send it, with changes; None leaves an array out."""
     names = {"body_name": ["world", "arm"], "jnt_name": ["turn"], "geom_name": ["ball"]}
     arrays: dict[str, object] = {
         **{key: np.array(value, dtype=np.str_) for key, value in names.items()},

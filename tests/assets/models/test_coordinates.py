@@ -1,4 +1,4 @@
-"""Generalized coordinates: rows to a motion and back, link by link and in a file's order; what is none is refused by name."""
+"""Generalized coordinates: rows to a motion and back, link by link and in a file's order; invalid ones are refused by name."""
 
 from typing import Any
 
@@ -14,7 +14,7 @@ from tests.assets.motions.robots import puppet, robot
 
 
 def rows(frames: int, seed: int) -> np.ndarray:
-    """Rows (frames, 13) of the puppet: a free root, a ball, two hinges."""
+    """Return rows (frames, 13) of the puppet: a free root, a ball, two hinges."""
     rng = np.random.default_rng(seed)
     root, ball = (rotation.normalised(rng.normal(size=(frames, 4))) for _ in range(2))
     return np.concatenate([rng.normal(size=(frames, 3)), root, ball, rng.normal(size=(frames, 2))], axis=1)

@@ -55,7 +55,7 @@ def test_pairs_that_overlap_when_standing_may_be_no_deeper_whatever_the_clip_beg
 
 
 def test_a_folded_skeleton_excludes_what_is_near_alone() -> None:
-    """Legs and arms folded onto the trunk at rest overlap it all over, which says nothing."""
+    """Legs and arms folded onto the trunk at rest overlap it all over, which implies nothing."""
     along = [(float(np.linalg.norm(bone.offset)), 0.0, 0.0) for bone in SKELETON.bones]
     flat = (replace(bone, offset=offset) for bone, offset in zip(SKELETON.bones, along, strict=True))
     folded = Skeleton("folded", tuple(flat))

@@ -1,4 +1,4 @@
-"""Files that mean harm: each ends in a sentence that names file, place and valid range, within time and memory."""
+"""Malicious files: each is refused with file, place and valid range, within time and memory limits."""
 
 import os
 import resource
@@ -18,12 +18,12 @@ CHAIN = "".join('<body pos="0 0 1"><joint/><geom size="0.1"/>' for _ in range(30
 
 
 def asset(inside: str, after: str = "") -> str:
-    """A model of one asset."""
+    """Return a model of one asset."""
     return f"<mujoco><asset>{inside}</asset>{after}</mujoco>"
 
 
 def world(inside: str) -> str:
-    """A model of one world."""
+    """Return a model of one world."""
     return f"<mujoco><worldbody>{inside}</worldbody></mujoco>"
 
 
@@ -72,7 +72,7 @@ def test_each_text_is_refused(name: str, tmp_path: Path) -> None:
     (folder / "bad.xml").write_text(text)
     with pytest.raises(InvalidFile, match=said):
         av.load_room(folder / "bad.xml")
-    # of all processes that were waited for, the largest
+    # the largest of all awaited processes
     assert resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024 < MEMORY
 
 
@@ -108,7 +108,7 @@ def test_a_mesh_that_says_it_is_larger_than_it_is_is_refused(count: int, tmp_pat
 
 
 def test_comments_hide_nothing(tmp_path: Path) -> None:
-    # what the door takes for a comment is none for the compiler either: it reads the same text
+    # text that the reader here takes for a comment is one for the compiler too: it reads the same text
     hidden = '<extension><plugin plugin="mujoco.pid"/></extension>'
     text = f'<mujoco model="<!--">{hidden}<custom><text name="a" data="-->"/></custom>{BODY}</mujoco>'
     (tmp_path / "bad.xml").write_text(text)

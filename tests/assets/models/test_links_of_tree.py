@@ -1,4 +1,4 @@
-"""Trees of bodies as links: where they are, how they turn, how far, and what is refused or fixed instead."""
+"""Trees of bodies as links: positions, joints, ranges, and bodies that are refused or fixed instead."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -17,14 +17,14 @@ GEOM = '<geom type="sphere" size="0.02"/>'
 
 
 def written(folder: Path, body: str, rest: str = "", head: str = '<compiler angle="radian"/>') -> Path:
-    """An MJCF file with one world."""
+    """Return an MJCF file with one world."""
     path = folder / "model.xml"
     path.write_text(f"<mujoco>{head}<worldbody>{body}</worldbody>{rest}</mujoco>", encoding="utf-8")
     return path
 
 
 def random_tree(rng: np.random.Generator, depth: int = 0) -> str:
-    """A body with joints about centres of their own, and bodies below it."""
+    """Return a body with joints about centres of their own, and bodies below it."""
     def numbers(count: int) -> str:
         return " ".join(f"{value:.17g}" for value in rng.normal(size=count))
 
@@ -117,13 +117,13 @@ def test_a_slide_is_a_joint_with_limits_in_metres(tmp_path: Path) -> None:
 def test_a_slide_may_be_fixed_at_the_reference(tmp_path: Path) -> None:
     model = av.load_avatar(written(tmp_path, SLIDE), fix=("rail",))
     assert isinstance(model.avatar.links[0].joint, Rigid) and model.said
-    # its column stays where the file has it, and holds the reference again when written
+    # its column stays at its place in the file, and has the reference again when written
     motion = model.coordinates.motion(np.array([[0.5, 0.25]]), np.zeros(1))
     np.testing.assert_array_equal(model.coordinates.rows(motion), [[0.0, 0.25]])
 
 
 def coupled(folder: Path, *equalities: str, limits: str = "") -> Path:
-    """Four hinges in a row, a to d, and equalities among them."""
+    """Return four hinges in a row, a to d, with equalities among them."""
     body = ""
     for name in "dcba":
         limit = f'range="{limits}"' if limits and name == "d" else ""
@@ -141,7 +141,7 @@ def test_a_joint_that_an_equality_couples_follows_the_other_counted_from_the_ref
     q = model.coordinates.rows(replace(model.coordinates.motion(np.zeros((1, 4)), np.zeros(1)), angles=model.start.angles[None]))
     data.qpos[:] = q[0]
     mujoco.mj_forward(mujoco_model, data)
-    # what the equality misses in MuJoCo is nothing
+    # MuJoCo's error of the equality is zero
     np.testing.assert_allclose(data.efc_pos[data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY], 0.0, atol=1e-14)
 
 
@@ -168,7 +168,7 @@ def test_a_joint_that_follows_nothing_or_what_is_fixed_stands_still(tmp_path: Pa
     led = av.load_avatar(coupled(tmp_path, "ba 0.3 2 0 0 0", "cb 0 1 0 0 0"), fix=("b",))
     joints = [link.joint for link in led.avatar.links]
     assert led.avatar.couplings == () and isinstance(joints[1], Rigid)
-    # what led the fixed joint goes on, and what follows it stands
+    # the leader of the fixed joint still moves, and its followers are fixed
     assert [joint.hinges[0].lower for joint in joints if isinstance(joint, Hinges)][:2] == [-MANY_TURNS, 0.0]
 
 

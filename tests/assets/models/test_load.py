@@ -1,4 +1,4 @@
-"""What one file gives: the avatar that is asked for, loose and fixed bodies with their masses, rooms from other files."""
+"""Contents of one file: the requested avatar, loose and fixed bodies with their masses, rooms from other files."""
 
 from pathlib import Path
 
@@ -185,6 +185,6 @@ def test_urdf_finds_meshes_of_its_package(mesh: str, tmp_path: Path) -> None:
     with pytest.raises(InvalidFile, match=r"mesh cube of robot\.urdf is .*folder="):
         av.load_avatar(path)
     assert av.load_avatar(path, folder=tmp_path / "robot").avatar is not None
-    # a package says itself how far it reaches
+    # package.xml marks the extent of a package
     (tmp_path / "robot" / "package.xml").write_text("<package/>")
     assert av.load_avatar(path).avatar is not None

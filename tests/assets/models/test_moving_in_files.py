@@ -1,4 +1,4 @@
-"""Mocap bodies and welds of MJCF: doors that move, tools that are attached, and nothing that is dropped without a word."""
+"""Mocap bodies and welds of MJCF: doors that move, tools that are attached, and nothing dropped silently."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ WELDS = '<equality><weld body1="wrist" body2="tool"/><weld body1="handle" body2=
 
 
 def model_of(folder: Path, rest: str = WELDS) -> av.Model:
-    """The arm with its tool, the door with its handle."""
+    """Return the arm with its tool, the door with its handle."""
     return av.load_avatar(written(folder, ARM + TOOL + DOOR + HANDLE + FLOOR, rest))
 
 

@@ -1,4 +1,4 @@
-"""Versions of MuJoCo: what two distributions in one folder and a faulty version end with, and the fault itself."""
+"""Versions of MuJoCo: errors for two distributions in one folder and for a faulty version, and the fault itself."""
 
 from collections.abc import Sequence
 
@@ -40,7 +40,7 @@ def test_a_faulty_version_reads_files_and_moves_nothing(monkeypatch: pytest.Monk
 
 
 def accelerations(parents: Sequence[int], ties: Sequence[tuple[int, int]], jacobian: str) -> np.ndarray:
-    """Accelerations of a tree of hinges of which pairs are tied, without contact."""
+    """Return accelerations of a tree of hinges of which pairs are tied, without contact."""
     spec = mujoco.MjSpec()
     spec.option.jacobian = getattr(mujoco.mjtJacobian, f"mjJAC_{jacobian}")
     spec.option.tolerance = 1e-12
@@ -67,7 +67,7 @@ def accelerations(parents: Sequence[int], ties: Sequence[tuple[int, int]], jacob
 def test_sparse_and_dense_jacobians_give_the_same_accelerations(
     parents: tuple[int, ...], ties: tuple[tuple[int, int], ...]
 ) -> None:
-    """A faulty version fails here, and no other test noticed."""
+    """A faulty version fails here and in no other test."""
     dense, sparse = (accelerations(parents, ties, jacobian) for jacobian in ("DENSE", "SPARSE"))
     same = np.abs(dense - sparse).max() < 1e-6 * (1.0 + np.abs(dense).max())
     assert same or mujoco.__version__ in FAULTY

@@ -1,4 +1,4 @@
-"""Overlaps at the start: what is moved apart, what is guarded, what is refused, and that the engine takes what is left."""
+"""Overlaps at the start: moved apart, guarded, or refused, and that the engine accepts the rest."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ FLOOR = '<geom name="floor" type="plane" size="1 1 1"/>'
 
 
 def loaded(model: av.Model) -> av.FrameRecord:
-    """The first record of the model's scene; raises where it is not free."""
+    """Return the first record of the model's scene; raises if it is not free."""
     with av.AvatarsimEngine() as engine:
         return engine.load(model.scene(), av.Settings(), dt=1 / 60)
 
@@ -78,7 +78,7 @@ def test_what_hangs_deep_in_a_wall_is_refused_by_name(tmp_path: Path) -> None:
     with pytest.raises(av.StartOverlaps) as error:
         av.load_room(written(tmp_path, f'<geom name="wall" type="box" size="5 5 5"/>{cube}'))
     assert [set(pair[:2]) for pair in error.value.pairs] == [{"wall", "cube"}]
-    # the same without its geom
+    # the same without the geom of the wall
     assert not av.load_room(tmp_path / "model.xml", leave=("wall",)).exclude
 
 
@@ -88,7 +88,7 @@ def test_an_arm_whose_second_link_is_in_its_table_turns_there(tmp_path: Path) ->
            '<body name="arm" pos="0 0 0.5"><joint/><geom size="0.1"/></body></body></body>'
     model = av.load_avatar(written(tmp_path, body))
     assert set(model.exclude) == {("table", f"{model.avatar.name}/base")}
-    # the base is fixed as the table is, whatever overlaps
+    # the base is fixed like the table, whatever overlaps
     ((table, turn, depth),) = model.at_rest
     assert (table, turn) == ("table", f"{model.avatar.name}/turn") and depth == pytest.approx(0.1 + ALLOWED)
     loaded(model)

@@ -1,4 +1,4 @@
-"""Which pairs never touch: parent and child, what is rigid together, what the file excludes, what its masks keep apart."""
+"""Pairs that never touch: parent and child, rigidly joined bodies, the file's exclusions, pairs that its masks separate."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from tests.assets.models.test_links_of_tree import written
 
 
 def arm(*attributes: str, deep: str = "") -> str:
-    """A chain of bodies a, b, c, ... a metre apart; attributes of the geom of each."""
+    """Return a chain of bodies a, b, c, ... a metre apart, with attributes for the geom of each."""
     text = ""
     for name, attribute in reversed(list(zip("abcdef", attributes, strict=False))):
         joint = "<joint/>" if name not in deep else ""
@@ -19,7 +19,7 @@ def arm(*attributes: str, deep: str = "") -> str:
 
 
 def meeting(model: av.Model) -> set[frozenset[str]]:
-    """Pairs of names that a scene of the model tests."""
+    """Return the pairs of names that a scene of the model tests."""
     scene = model.scene()
     names = [name.partition("/")[2] or name for name in scene.names]
     return {frozenset((names[a], names[b])) for a, b in np.argwhere(scene.pair_filter)}

@@ -1,4 +1,4 @@
-"""Geoms as convex pieces: which count, and what they become."""
+"""Conversion of geoms to convex pieces, and the geoms that count."""
 
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ from tests.own_cache import keep_pieces_in
 
 
 def room_of(folder: Path, geoms: str, head: str = "", **options: object) -> dict[str, av.Body]:
-    """The bodies of a room of these geoms, by name."""
+    """Return the bodies of a room of these geoms, by name."""
     model = av.load_room(written(folder, geoms, head=head), **options)  # type: ignore[arg-type]
     return {body.name: body for body in model.bodies}
 
@@ -63,7 +63,7 @@ def test_a_prism_stands_around_its_cylinder(tmp_path: Path) -> None:
 
 
 def meshed(folder: Path, soup: Soup, placed: str = "", scale: str = "1 1 1") -> Path:
-    """A model of one mesh called m."""
+    """Return a model of one mesh called m."""
     obj_of(folder, "m.obj", *soup)
     head = f'<asset><mesh file="m.obj" scale="{scale}"/></asset>'
     return written(folder, f'<geom name="it" type="mesh" mesh="m" {placed}/>', head=head)
@@ -94,7 +94,7 @@ def test_a_hull_of_fewer_vertices_holds_the_mesh(tmp_path: Path) -> None:
 
 @pytest.fixture
 def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Convex pieces are kept in a folder of this test."""
+    """Cache convex pieces in a folder of this test."""
     keep_pieces_in(tmp_path / "cache", monkeypatch)
 
 
@@ -200,7 +200,7 @@ def test_visuals_are_the_geoms_that_viewers_show_in_the_frames_of_links(tmp_path
     corners = mesh[0][mesh[1]]
     np.testing.assert_allclose(corners.min(axis=(0, 1)), (-0.5, 0.0, 0.0), atol=1e-6)
     np.testing.assert_allclose(corners.max(axis=(0, 1)), (2.5, 3.0, 1.0), atol=1e-6)
-    # what is drawn of a mesh that collides is the mesh, no hull: of an L the notch stays open
+    # a mesh that collides is drawn as the mesh, not its hull: the notch of an L stays open
     (stone,) = model.visuals["stone"]
     assert isinstance(stone, tuple) and len(stone[1]) == len(ell()[1])
     pieces = [piece.shape for link in model.avatar.links for piece in link.pieces]

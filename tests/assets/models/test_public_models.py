@@ -1,4 +1,4 @@
-"""Models that installed packages ship: kinematics as MuJoCo's and thirty frames, or a sentence that says what to do."""
+"""Models from installed packages: kinematics as MuJoCo's and thirty frames, or an error that names the remedy."""
 
 from dataclasses import replace
 from importlib.util import find_spec
@@ -13,7 +13,7 @@ from tests.assets.models.mujoco_twin import Twin, greatest_difference
 
 
 def shipped(package: str, *parts: str) -> Path:
-    """A file of an installed package, which need not be imported."""
+    """Return a file of an installed package, which need not be imported."""
     found = find_spec(package)
     return Path(found.submodule_search_locations[0]).joinpath(*parts)
 

@@ -1,4 +1,4 @@
-"""Limits by the names of joints: postures that humans take are inside, others are not, left and right alike."""
+"""Limits by the names of joints: human postures are inside, others are not, left and right alike."""
 
 from dataclasses import replace
 
@@ -21,7 +21,7 @@ from tests.assets.models.recorded import clip, human_skeleton
 SKELETON = human_skeleton()
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
-# joint, axis and degrees against the pose of a T that faces +x, whether a human can: of the left side
+# joint, axis and degrees relative to a T pose that faces +x, whether a human can: for the left side
 POSTURES = [
     ("LeftLeg", Y, 120.0, True), ("LeftLeg", Y, -30.0, False), ("LeftLeg", X, 30.0, False), ("LeftLeg", Y, 175.0, False),
     ("LeftUpLeg", Y, -110.0, True), ("LeftUpLeg", Y, 35.0, True), ("LeftUpLeg", Y, 75.0, False), ("LeftUpLeg", X, 45.0, True),
@@ -36,7 +36,7 @@ POSTURES = [
 
 
 def mirrored(joint: str, axis: tuple[float, float, float], degrees: float) -> tuple[str, tuple[float, float, float], float]:
-    """The same posture of the other side: turns about x and z are the other way round in a mirror at y = 0."""
+    """Return the posture of the other side: turns about x and z change sign in a mirror at y = 0."""
     return joint.replace("Left", "Right"), axis, degrees if axis == Y else -degrees
 
 
@@ -70,7 +70,7 @@ def test_hinges_have_the_range_of_their_movement(
 
 
 def test_a_stance_in_the_clip_stands_for_a_folded_rest() -> None:
-    """The skeleton with each bone's frame turned at will: the same limits, counted from a frame that stands."""
+    """The skeleton has each bone's frame turned arbitrarily: the limits are the same, counted from a standing frame."""
     random = np.random.default_rng(5)
     turned = rotation.normalised(random.normal(size=(len(SKELETON.bones), 4)))
     turned[0] = rotation.IDENTITY
@@ -96,7 +96,7 @@ def test_a_stance_in_the_clip_stands_for_a_folded_rest() -> None:
 
 
 def columns(quaternion: np.typing.NDArray[np.float64]) -> Columns:
-    """The columns of the matrix, as the kernels have them."""
+    """Return the columns of the matrix, as the kernels have them."""
     x, y, z = (tuple(float(v) for v in column) for column in rotation.to_matrix(quaternion).T)
     return x, y, z  # type: ignore[return-value]
 

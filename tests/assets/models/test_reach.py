@@ -19,7 +19,7 @@ from tests.cleaning.rated import coordinates, home, mixed, two_arms, two_arms_te
 
 @pytest.fixture(scope="module")
 def arms(tmp_path_factory: pytest.TempPathFactory) -> Model:
-    """The robot of two arms."""
+    """Return the robot of two arms."""
     return two_arms(tmp_path_factory.mktemp("arms"))
 
 

@@ -1,4 +1,4 @@
-"""Another unit of length: the same model as one that was written in metres, masses and kinematics, and what is refused."""
+"""Other units of length: the same model as one written in metres, masses and kinematics, and refusals."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from tests.assets.models.test_links_of_tree import written
 
 
 def body(s: float) -> str:
-    """A torso with an arm, a stated inertia, a held slide, a loose ball and a floor; lengths are `s` times those in metres."""
+    """Return a torso with an arm, a stated inertia, a held slide, a loose ball and a floor; lengths are `s` a metre."""
     return (
         f'<geom name="ground" type="box" size="{4 * s} {4 * s} {0.1 * s}" pos="0 0 {-0.1 * s}"/>'
         f'<body name="torso" pos="0 0 {1.2 * s}"><freejoint/>'
@@ -31,7 +31,7 @@ def body(s: float) -> str:
 
 
 def model(folder: Path, s: float, scale: float) -> Model:
-    """The model, written with lengths of `s` a metre."""
+    """Return the model, written with lengths of `s` a metre."""
     return av.load_avatar(written(folder, body(s)), fix=("rail",), scale=scale, avatar="torso", size_range=(1e-6, 1e6))
 
 

@@ -1,4 +1,4 @@
-"""What a model file states is done: gravity, friction, keyframes; what cannot be done is said."""
+"""Statements of a model file: gravity, friction and keyframes are applied; unsupported ones are reported."""
 
 import pickle
 from math import sqrt
@@ -22,14 +22,14 @@ SLOPE = 25.0
 
 
 def mjcf(folder: Path, world: str, rest: str = "") -> Path:
-    """An MJCF file with this world."""
+    """Return an MJCF file with this world."""
     path = folder / "model.xml"
     path.write_text(f"<mujoco>{rest}<worldbody>{world}</worldbody></mujoco>")
     return path
 
 
 def played(model: av.Model, seconds: float) -> np.ndarray:
-    """Positions (frames, 3) of the first loose body, at 250 Hz."""
+    """Return positions (frames, 3) of the first loose body, at 250 Hz."""
     scene = model.scene()
     engine = av.AvatarsimEngine()
     engine.load(scene, av.Settings(), 0.004)
@@ -71,7 +71,7 @@ def test_gravity_of_the_earth_is_in_metres_in_any_unit(tmp_path: Path) -> None:
 
 
 def ramp(friction: str, of_box: str) -> str:
-    """A box on a ramp."""
+    """Return a box on a ramp."""
     return (
         f'<geom name="ramp" type="box" size="2 .5 .05" euler="0 {SLOPE} 0" {friction}/>'
         f'<body name="box" pos="0.0634 0 0.1360" euler="0 {SLOPE} 0"><freejoint/>'

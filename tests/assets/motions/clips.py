@@ -1,4 +1,4 @@
-"""Clips in the 44 columns of DeepMimic, and a figure whose joints are called as theirs, z up or y up."""
+"""Clips in the 44 columns of DeepMimic, and a figure with its joint names, z up or y up."""
 
 import json
 from pathlib import Path
@@ -22,7 +22,7 @@ ANCHORS = {"chest": (0.0, 0.0, 0.24), "neck": (0.0, 0.0, 0.22), "hip": (0.0, 0.0
 
 
 def upright(step: float = 0.5) -> list[float]:
-    """One frame of a clip in which nothing is turned."""
+    """Return one frame of a clip in which nothing is turned."""
     row = [step, 0.0, 0.9, 0.0]
     for _, width in LAYOUT:
         row += [1.0, 0.0, 0.0, 0.0] if width == 4 else [0.0]
@@ -30,7 +30,7 @@ def upright(step: float = 0.5) -> list[float]:
 
 
 def moving(frames: int, seed: int = 0) -> list[list[float]]:
-    """Frames of a clip in which all joints turn, at steps that differ; one quaternion is not of length 1."""
+    """Return frames of a clip in which all joints turn, at unequal steps; one quaternion is not of length 1."""
     rng = np.random.default_rng(seed)
     rows = []
     for _ in range(frames):
@@ -44,13 +44,13 @@ def moving(frames: int, seed: int = 0) -> list[list[float]]:
 
 
 def written(path: Path, frames: object, loop: str = "wrap") -> Path:
-    """A clip file of these frames."""
+    """Return a clip file of these frames."""
     path.write_text(json.dumps({"Loop": loop, "Frames": frames}), encoding="utf-8")
     return path
 
 
 def figure(y_up: bool = False) -> Model:
-    """A figure of 13 links, and hands without joints in the clips that bend at a hinge."""
+    """Return a figure of 13 links, and hands without joints in the clips that bend at a hinge."""
 
     def placed(vector: Vector) -> Vector:
         x, y, z = vector

@@ -5,19 +5,19 @@ from numpy.typing import ArrayLike
 
 
 def joint(name: str, offset: str, turns: str, *inside: str) -> str:
-    """A joint of a BVH file with turns by their axes in order, and joints or an end inside."""
+    """Return a joint of a BVH file with turns by their axes in order, and joints or an end inside."""
     channels = " ".join(f"{axis}rotation" for axis in turns)
     return _block(f"JOINT {name}", f"OFFSET {offset}", f"CHANNELS {len(turns)} {channels}", *inside)
 
 
 def root(name: str, turns: str, *inside: str) -> str:
-    """A hierarchy of BVH below a root that also moves."""
+    """Return a hierarchy of BVH below a root that also moves."""
     channels = " ".join(["6 Xposition Yposition Zposition", *(f"{axis}rotation" for axis in turns)])
     return "HIERARCHY\n" + _block(f"ROOT {name}", "OFFSET 0 0 0", f"CHANNELS {channels}", *inside) + "\n"
 
 
 def end(offset: str) -> str:
-    """The end of a limb."""
+    """Return the end of a limb."""
     return _block("End Site", f"OFFSET {offset}")
 
 
@@ -42,7 +42,7 @@ WALKER = root(
 
 
 def bvh(hierarchy: str, rows: ArrayLike, step: str = "0.008333") -> str:
-    """A BVH file of a hierarchy and its rows (frames, channels)."""
+    """Return a BVH file of a hierarchy and its rows (frames, channels)."""
     lines = [" ".join(map(repr, row)) for row in np.asarray(rows, dtype=np.float64).tolist()]
     return f"{hierarchy}MOTION\nFrames: {len(lines)}\nFrame Time: {step}\n" + "\n".join(lines) + "\n"
 
@@ -99,11 +99,11 @@ ASF = """\
 """A skeleton with legs, a trunk and a head, in units of 1/0.45 inch and degrees, y up."""
 
 AMC_ORDER = (("root", 6), ("head", 3), ("lowerback", 3), ("lfemur", 3), ("ltibia", 1), ("lfoot", 2), ("rfemur", 3), ("rfoot", 1))
-"""Bones of a frame and how many numbers each has: not in the skeleton's order."""
+"""Bones of a frame with their counts of numbers, in another order than the skeleton's."""
 
 
 def amc(rows: ArrayLike, first: int = 1, head: str = "#!OML:ASF\n:FULLY-SPECIFIED\n:DEGREES\n") -> str:
-    """An AMC file of rows (frames, 22)."""
+    """Return an AMC file of rows (frames, 22)."""
     lines = []
     for frame, row in enumerate(np.asarray(rows, dtype=np.float64).tolist(), first):
         lines.append(str(frame))

@@ -10,7 +10,7 @@ FRAMES = 30
 
 
 def hierarchy(shin: float = 0.42, shank: str = "Leg", more: str = "", channels: str = "ZXY") -> str:
-    """A figure of 1.6 m, y up, whose legs are folded up beside its trunk at rest."""
+    """Return a figure of 1.6 m, y up, whose legs are folded up along its trunk at rest."""
     legs = [
         joint(f"{side}UpLeg", f"{x} 0 0", "ZXY", joint(
             f"{side}{shank}", "0 0.42 0", channels, joint(f"{side}Foot", f"0 {shin} 0", "ZXY", end("0 0 0.15")),
@@ -20,7 +20,7 @@ def hierarchy(shin: float = 0.42, shank: str = "Leg", more: str = "", channels: 
 
 
 def rows(columns: int = 30) -> np.ndarray:
-    """Legs turned down, which cross in the middle of the clip, on a trunk that sways."""
+    """Return rows with legs turned down, which cross in the middle of the clip, on a trunk that sways."""
     values, share = np.zeros((FRAMES, columns)), np.linspace(0.0, 1.0, FRAMES)
     values[:, 1] = 1.0
     values[:, 6] = 25.0 * np.cos(4.0 * share + 0.3)

@@ -30,7 +30,7 @@ def link(name: str, parent: str | None, joint: Joint, anchor: Vector = (0.0, 0.0
 
 
 def robot(free: bool = True) -> Model:
-    """A free pelvis, four hinges and a rigid hand; coordinates as a file names them, one hinge with a reference angle."""
+    """Return a free pelvis, four hinges and a rigid hand; coordinates as a file names them, one hinge with a reference angle."""
     root = Free() if free else Rigid()
     avatar = Avatar("robot", (
         link("pelvis", None, root),
@@ -49,7 +49,7 @@ def robot(free: bool = True) -> Model:
 
 
 def held() -> Model:
-    """The robot with its left shoulder held at 0.3 rad: a slot of its own that moves no link."""
+    """Return the robot with its left shoulder held at 0.3 rad: a slot of its own that moves no link."""
     whole = robot()
     slots = tuple(
         Slot(slot.name, "fixed", -1, rest=0.3) if slot.name == "left_shoulder" else slot for slot in whole.coordinates.slots
@@ -58,14 +58,14 @@ def held() -> Model:
 
 
 def puppet() -> Model:
-    """A free root, a ball and a link of two hinges, with coordinates link by link."""
+    """Return a free root, a ball and a link of two hinges, with coordinates link by link."""
     hinges = Hinges((Hinge(X), Hinge(Y)))
     avatar = Avatar("puppet", (link("root", None, Free()), link("head", "root", Ball()), link("hand", "head", hinges)))
     return Model(avatar, coordinates_of(avatar), (), ())
 
 
 def walk(frames: int, joints: int = len(JOINTS), seed: int = 0) -> Array:
-    """Rows (frames, 7 + joints) of a smooth motion: root position, unit quaternion w first, angles."""
+    """Return rows (frames, 7 + joints) of a smooth motion: root position, unit quaternion w first, angles."""
     rng = np.random.default_rng(seed)
     u = np.linspace(0.0, 1.0, frames)[:, None]
     places = np.array([0.5, 0.2, 0.9]) + u * np.array([1.0, 0.3, 0.05])
@@ -75,12 +75,12 @@ def walk(frames: int, joints: int = len(JOINTS), seed: int = 0) -> Array:
 
 
 def saved(path: Path, arrays: Mapping[str, Any], save: Callable[..., None] = np.savez) -> Path:
-    """An .npz file of these entries."""
+    """Return an .npz file of these entries."""
     save(path, **{key: np.asarray(values) for key, values in arrays.items()})
     return path
 
 
 def entries(content: bytes) -> dict[str, Any]:
-    """The entries of an .npz file."""
+    """Return the entries of an .npz file."""
     with np.load(io.BytesIO(content), allow_pickle=False) as found:
         return dict(found)

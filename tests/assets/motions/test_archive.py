@@ -1,4 +1,4 @@
-"""NumPy archives: arrays come back as they were, the same arrays are the same bytes, and hostile ones are refused unread."""
+"""NumPy archives: arrays come back unchanged, equal arrays are equal bytes, and hostile ones are refused unread."""
 
 import io
 import pickle
@@ -32,7 +32,7 @@ ANY = st.dictionaries(
 
 
 def header(text: str) -> bytes:
-    """An .npy file of version 1 that says `text`."""
+    """Return an .npy file of version 1 with the header `text`."""
     padded = text.encode("latin-1") + b" " * (117 - len(text)) + b"\n"
     return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(padded)) + padded
 
@@ -46,7 +46,7 @@ def zipped(path: Path, members: dict[str, bytes], kind: int = zipfile.ZIP_DEFLAT
 
 @contextmanager
 def memory_below(most: int) -> Iterator[None]:
-    """Python's own memory grows by at most so many bytes meanwhile."""
+    """Check that Python's own memory grows by at most so many bytes meanwhile."""
     tracemalloc.start()
     try:
         yield
@@ -92,7 +92,7 @@ def test_python_objects_are_left_out_and_never_made(tmp_path: Path) -> None:
 
 
 def bomb(folder: Path) -> Path:
-    """A few hundred kilobytes that unpack to more than the limit."""
+    """Return a few hundred kilobytes that unpack to more than the limit."""
     path = folder / "hostile.npz"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file, file.open("poses.npy", "w", force_zip64=True) as entry:
         entry.write(header(f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({caps.BYTES // 8},), }}"))
@@ -102,7 +102,7 @@ def bomb(folder: Path) -> Path:
 
 
 def liar(folder: Path) -> Path:
-    """An entry whose archive says that it is short, and which is not."""
+    """Return an archive that states a smaller length of its entry than the true one."""
     whole = header("{'descr': '<f8', 'fortran_order': False, 'shape': (4096,), }") + bytes(32768)
     path = zipped(folder / "hostile.npz", {"a.npy": whole})
     raw = path.read_bytes()
@@ -131,7 +131,7 @@ def cut(folder: Path) -> Path:
 
 
 def flipped(folder: Path) -> Path:
-    """A number changed, so that the checksum no longer holds."""
+    """Return an archive with a changed number, so that the checksum is wrong."""
     path = saved(folder / "hostile.npz", {"a": np.arange(100.0)})
     content = bytearray(path.read_bytes())
     content[400] ^= 255
@@ -185,7 +185,7 @@ HOSTILE: dict[str, tuple[Callable[[Path], Path], str]] = {
 def test_hostile_archives_end_in_a_sentence(tmp_path: Path, name: str) -> None:
     make, says = HOSTILE[name]
     path = make(tmp_path)
-    # to read a file room is made for the largest that may be read; nothing is unpacked into more
+    # reading allocates for the largest file that may be read; nothing is unpacked into more
     with memory_below(caps.BYTES + 2**24), pytest.raises(InvalidFile, match=says) as caught:
         opened(path)
     assert "hostile.npz" in str(caught.value)

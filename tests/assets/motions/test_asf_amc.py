@@ -1,4 +1,4 @@
-"""AMC files on their ASF skeletons: where bones are, what is said, the same file again, and damaged ones."""
+"""AMC files on their ASF skeletons: places of bones, notes, the same file again, and damaged ones."""
 
 from pathlib import Path
 
@@ -26,7 +26,7 @@ def rows(frames: int = 5, spread: float = 20.0) -> Array:
 
 
 def made(folder: Path, text: str, asf: str = ASF, **options: object) -> AmcFile:
-    """The file of a text, as 07_01.amc beside 07.asf."""
+    """Return the file of a text, as 07_01.amc next to 07.asf."""
     (folder / "07.asf").write_bytes(asf.encode())
     (folder / "07_01.amc").write_bytes(text.encode())
     return read_amc(folder / "07_01.amc", **options)  # type: ignore[arg-type]
@@ -116,7 +116,7 @@ MOTIONS = (
     ("\n1\n", "\n" + "1" * 400 + "\n", "number of a frame in line 4"),
     ("ltibia ", "ltibia " + "1 " * 200_000, "length of line 9 of 07_01.amc is 400"),
 )
-"""Text in the good motion, its replacement, and what the error holds."""
+"""Text in the valid motion, its replacement, and a part of the error."""
 
 
 @pytest.mark.parametrize("case", range(len(MOTIONS)))

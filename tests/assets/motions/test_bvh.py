@@ -1,4 +1,4 @@
-"""BVH files: where joints are, what is guessed and said, and the same file again."""
+"""BVH files: places of joints, guesses and their notes, and the same file again."""
 
 import re
 from pathlib import Path
@@ -24,7 +24,7 @@ SIX = "CHANNELS 6 Xposition Yposition Zposition Zrotation Yrotation Xrotation"
 
 
 def rows(frames: int = 6, spread: float = 25.0, seed: int = 1) -> Array:
-    """Rows of a walker that stands 90 cm high and moves about."""
+    """Return rows of a walker that is 90 cm high at its root and moves about."""
     found = np.random.default_rng(seed).normal(0.0, spread, (frames, 30))
     found[:, :3] = np.linspace((0.0, 90.0, 0.0), (40.0, 92.0, 10.0), frames)
     return found
@@ -37,7 +37,7 @@ def written(folder: Path, text: str, name: str = "walker.bvh") -> Path:
 
 
 def world(file: BvhFile) -> Array:
-    """Places (F, links, 3) [m] of all joints."""
+    """Return places (F, links, 3) [m] of all joints."""
     model = file.model()
     motion = file.motion(model)
     return poses_of_links([model.avatar], motion.positions, motion.rotations, motion.angles)[0]
@@ -60,7 +60,7 @@ def test_the_avatar_does_not_depend_on_where_the_clip_is_cut(tmp_path: Path) -> 
 
 
 def test_what_is_moved_is_written_and_the_rest_is_not(tmp_path: Path) -> None:
-    """A turned arm and a lifted root come back to 1e-9, on the turn that stood there; all other columns keep their bits."""
+    """A turned arm and a lifted root come back to 1e-9, on the turn of the original; all other columns keep their bits."""
     values = rows()
     values[:, 15:18] += 720.0
     file = read_bvh(written(tmp_path, bvh(WALKER, values)))
@@ -123,7 +123,7 @@ def test_what_is_asked_for_is_not_guessed(tmp_path: Path) -> None:
 
 
 def six(joint: str, offset: str) -> str:
-    """The walker with six channels at a joint that has three."""
+    """Return the walker with six channels at a joint that has three."""
     before = WALKER[: WALKER.index(f"JOINT {joint}\n")]
     after = WALKER[len(before) :].replace("CHANNELS 3 ", "CHANNELS 6 Xposition Yposition Zposition ", 1)
     return before + after.replace(after.split("OFFSET ")[1].split("\n")[0], offset, 1)

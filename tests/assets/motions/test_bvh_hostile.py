@@ -1,4 +1,4 @@
-"""BVH files that are damaged or made to harm are refused by file, line, value and what is valid."""
+"""Damaged or malicious BVH files are refused by file, line, value and valid range."""
 
 from pathlib import Path
 
@@ -54,7 +54,7 @@ CHANGED = (
     ("9.0\n", "9.0 " * caps.LINE, "length of line 68 of bad.bvh is 1049"),
     ("Spine", "S" * 2 * caps.LINE, "length of line 6 of bad.bvh is 5242"),
 )
-"""Text in the good file, its replacement, and what the error holds."""
+"""Text in the valid file, its replacement, and a part of the error."""
 
 
 @pytest.mark.parametrize("case", range(len(WHOLE) + len(CHANGED)))

@@ -1,4 +1,4 @@
-"""Clips of 44 columns: every way a file can be broken, axes, avatars drawn z up and y up, and the same file again."""
+"""Clips of 44 columns: every damage of a file, axes, avatars drawn z up and y up, and the same file again."""
 
 import json
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What follows from a pose: carriers of bodies that a model does not have, and speeds of what turns evenly."""
+"""Quantities derived from a pose: carriers of bodies missing in a model, and speeds of uniform turns."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""When frames were recorded: as the file states it, or the user; and stated again for a motion at another rate."""
+"""Frame times: as stated by the file or by the user, and stated again for a motion at another rate."""
 
 from typing import Any
 

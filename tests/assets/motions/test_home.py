@@ -1,4 +1,4 @@
-"""Home of recorded skeletons that are folded at rest: one verdict on a frame, wherever its clip is cut, and what is refused."""
+"""Home of recorded skeletons that are folded at rest: one verdict on a frame, wherever its clip is cut, and refusals."""
 
 from pathlib import Path
 
@@ -43,7 +43,7 @@ def test_without_a_home_a_folded_skeleton_states_the_frame_that_it_takes(tmp_pat
 
 
 def test_joints_with_places_of_their_own_lie_where_the_home_has_them(tmp_path: Path) -> None:
-    """A constant place, whose mean is rounded otherwise in each cut."""
+    """A constant place, whose mean is rounded differently in each cut."""
     text = hierarchy().replace("CHANNELS 3 Zrotation", "CHANNELS 6 Xposition Yposition Zposition Zrotation")
     old = rows()
     offsets = ((0.0, 0.1, 0.0), (0.0, 0.45, 0.0), *((x, 0.0, 0.0) if k == 0 else (0.0, 0.42, 0.0)

@@ -1,4 +1,4 @@
-"""The door for motion files: a reader per suffix, and sentences for what is not read."""
+"""Loading of motion files: a reader per suffix, and errors for unsupported files."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Columns to joints: by name wherever the file has names, else by their number; what does not fit is named."""
+"""Columns to joints: by name if the file has names, else by their number; mismatches are named."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The object of an archive: its poses in each form, what it is called, and what is refused."""
+"""The object of an archive: its poses in each form, its name, and refusals."""
 
 from pathlib import Path
 
@@ -17,7 +17,7 @@ TURNS = rotation.from_axis_angle((0.0, 0.6, 0.8), np.linspace(0.0, 1.0, FRAMES))
 
 
 def clip(path: Path, **others: object) -> Path:
-    """A trajectory of the robot with these entries beside it."""
+    """Return a trajectory of the robot with these additional entries."""
     return saved(path / "carry.npz", {"fps": 50, "joint_pos": walk(FRAMES), "joint_names": JOINTS, **others})
 
 

@@ -21,7 +21,7 @@ ORDERS = [(i, j, k) for i in range(3) for j in range(3) for k in range(3) if len
 
 @st.composite
 def skeletons(draw: st.DrawFn) -> tuple[str, int]:
-    """A hierarchy of up to seven joints, all channels at the root and up to three turns below, and how many channels."""
+    """Return a hierarchy of up to seven joints, all channels at the root and up to three turns below, and the channel count."""
     parents = [-1] + [draw(st.integers(0, k)) for k in range(draw(st.integers(0, 6)))]
     channels = [draw(st.permutations(TURNS + PLACES))]
     channels += [draw(st.permutations(TURNS))[: draw(st.integers(0, 3))] for _ in parents[1:]]

@@ -1,4 +1,4 @@
-"""Bodies of the SMPL family: their kinematics against plain rotation matrices, every layout of entries, and what is written."""
+"""Bodies of the SMPL family: their kinematics against plain rotation matrices, every layout of entries, and written files."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -22,11 +22,11 @@ from tests.assets.motions.robots import entries, robot, saved, walk
 FRAMES = 8
 MEMBERS = {"SMPL": 72, "SMPL-H": 156, "SMPL-X": 165}
 STANDING = np.array([0.5 * np.pi, 0.0, 0.0])
-"""Rotation vector of a root that stands: the family's y is the world's z."""
+"""Rotation vector of an upright root: the family's y is the world's z."""
 
 
 def amass(member: str = "SMPL-H", dtype: type = np.float64) -> dict[str, Any]:
-    """Entries as AMASS has them: a body that stands and moves each joint a little."""
+    """Return entries as AMASS has them: an upright body that moves each joint a little."""
     rng = np.random.default_rng(0)
     width = MEMBERS[member]
     poses = 0.3 * np.sin(np.linspace(0.0, 2.0, FRAMES)[:, None] + rng.uniform(0.0, 6.0, width))
@@ -37,7 +37,7 @@ def amass(member: str = "SMPL-H", dtype: type = np.float64) -> dict[str, Any]:
 
 
 def parted() -> dict[str, Any]:
-    """The same in the parts of SMPL-X, beside the whole."""
+    """Return the same entries, also split into the parts of SMPL-X."""
     whole = amass("SMPL-X")
     poses = whole["poses"]
     return {**whole, "root_orient": poses[:, :3], "pose_body": poses[:, 3:66], "pose_jaw": poses[:, 66:69],
@@ -49,7 +49,7 @@ def parts_alone() -> dict[str, Any]:
 
 
 def joints_by_matrices(poses: np.ndarray, trans: np.ndarray, rest: np.ndarray, member: str) -> np.ndarray:
-    """Places (F, joints, 3) in the file's own world, by rotation matrices down the tree."""
+    """Return places (F, joints, 3) in the file's own world, by rotation matrices down the tree."""
     found = np.empty((len(poses), len(rest), 3))
     for frame, pose in enumerate(poses.reshape(len(poses), -1, 3)):
         turned: list[Rotation] = []
@@ -68,7 +68,7 @@ def links(model: Model, motion: Motion) -> np.ndarray:
 
 
 def rest_joints(member: str) -> np.ndarray:
-    """Joints at rest in the family's axes, and further rows as model files have them."""
+    """Return joints at rest in the family's axes, and further rows as model files have them."""
     skeleton, pelvis = approximate(member, 1.8)
     return theirs(skeleton.rest[: len(skeleton.bones)] * np.array([1.0, 1.1, 1.0])) + pelvis
 
@@ -126,7 +126,7 @@ FORMS: dict[str, Callable[[], dict[str, Any]]] = {
 
 
 def bent(motion: Motion, link: int, first: int, last: int) -> Motion:
-    """The motion with a ball turned and the root lifted from one frame to another."""
+    """Return the motion with a ball turned and the root lifted from one frame to another."""
     rotations, positions = motion.rotations.copy(), motion.positions.copy()
     turn = Rotation.from_rotvec([0.1, 0.3, -0.2])
     for frame in range(first, last + 1):

@@ -1,4 +1,4 @@
-"""Tables of text: the LAFAN1 convention without names, columns by name, and rows that keep their text where nothing moved."""
+"""Tables of text: the LAFAN1 convention without names, columns by name, and rows that keep their text if nothing moved."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -88,7 +88,7 @@ def test_every_number_survives(tmp_path_factory: pytest.TempPathFactory, seed: i
     motion = found.motion(robot())
     angles = np.random.default_rng(seed).uniform(-3.0, 3.0, motion.angles.shape)
     again = load_motion(written(folder, found.written(replace(motion, angles=angles), robot()), "other.csv")).motion(robot())
-    # one hinge has a reference angle, which is taken off and put back
+    # one hinge has a reference angle, which is subtracted and added again
     assert np.abs(again.angles - angles).max() < 1e-15
 
 

@@ -1,4 +1,4 @@
-"""Robot trajectories in archives: the conventions of several tools, joints by name, and what is written again beside the pose."""
+"""Robot trajectories in archives: the conventions of several tools, joints by name, and written entries other than the pose."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -22,7 +22,7 @@ XYZW = [0, 1, 2, 4, 5, 6, 3]
 
 
 def bodies(model: Model, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
-    """Poses of the world, the robot's links, and a badge on its torso that its model does not have."""
+    """Return poses of the world, the robot's links, and a badge on its torso that its model does not have."""
     places, turns = poses_of_links((model.avatar,), motion.positions, motion.rotations, motion.angles)
     frames = len(motion)
     badge = places[:, 1:2] + rotation.rotate(turns[:, 1:2], np.array([0.1, 0.0, 0.05]))
@@ -48,7 +48,7 @@ def holosoma() -> dict[str, Any]:
 
 
 def spin(turns: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Angular velocities in the world, by differences of neighbours on both sides."""
+    """Return angular velocities in the world, by central differences of neighbours."""
     found = np.empty((len(turns), 3))
     for k in range(len(turns)):
         a, b = max(k - 1, 0), min(k + 1, len(turns) - 1)
@@ -72,7 +72,7 @@ def isaac() -> dict[str, Any]:
 
 
 def beyond() -> dict[str, Any]:
-    """Joints in an order of their own and no names; the root is the first of the bodies."""
+    """Return joints in an order of their own and no names; the root is the first of the bodies."""
     whole = isaac()
     bodies = {"body_pos_w": whole["body_positions"], "body_quat_w": whole["body_rotations"]}
     return {"fps": [50], "joint_pos": whole["dof_positions"], **bodies}
@@ -100,11 +100,11 @@ FORMS: dict[str, tuple[Mapping[str, Any], dict[str, Any]]] = {
     "joints without a root, names by the user": (beyond(), {"joints": [JOINTS[k] for k in (3, 1, 0, 2)]}),
     "a joint too many": ({"joint_pos": np.c_[walk(FRAMES), np.ones(FRAMES)], "fps": 50, "joint_names": [*JOINTS, "tail"]}, {}),
 }
-"""Entries and options of files that all hold the same motion."""
+"""Entries and options of files that all contain the same motion."""
 
 
 def raised(motion: Motion, first: int, last: int) -> Motion:
-    """The motion with a shoulder and the root raised from one frame to another."""
+    """Return the motion with a shoulder and the root raised from one frame to another."""
     angles, positions = motion.angles.copy(), motion.positions.copy()
     angles[first : last + 1, 1] += 0.2
     positions[first : last + 1, 0, 2] += 0.05
@@ -118,7 +118,7 @@ def test_conventions_of_several_tools_are_one_motion_and_are_written_again(tmp_p
     motion = found.motion(model)
     assert model.coordinates is not None and found.format == "npz" and found.model() is None
     assert_alike(motion, model.coordinates.motion(walk(FRAMES), np.arange(FRAMES) / 50.0), 1e-12)
-    # left alone, the same bits
+    # unchanged, the same bits
     written = entries(found.written(motion, model))
     assert list(written) == list(arrays)
     for key, values in arrays.items():
@@ -193,7 +193,7 @@ def test_another_rate_is_written_with_its_rate(tmp_path: Path) -> None:
     (tmp_path / "other.npz").write_bytes(found.written(motion, robot()))
     written = entries((tmp_path / "other.npz").read_bytes())
     assert written["fps"].tolist() == [100] and len(written["joint_pos"]) == 2 * FRAMES - 1
-    # a row a frame that is of no pose fits no other frames
+    # a row per frame that belongs to no pose fits no other frames
     assert "contact" not in written and len(written["body_pos_w"]) == 2 * FRAMES - 1
     again = load_motion(tmp_path / "other.npz").motion(robot())
     assert np.abs(again.angles - motion.angles).max() < 1e-12 and np.abs(again.times - motion.times).max() < 1e-12
@@ -267,7 +267,7 @@ def test_files_that_do_not_fit_end_in_a_sentence(tmp_path: Path, arrays: Mapping
 
 
 def turning(frames: int, canonical: bool) -> np.ndarray:
-    """Rows whose root makes two whole turns; if `canonical`, quaternions with a scalar part from 0 on."""
+    """Return rows whose root makes two whole turns; if `canonical`, quaternions with a scalar part from 0 on."""
     q = walk(frames)
     q[:, 3:7] = rotation.from_axis_angle((0.0, 0.0, 1.0), np.linspace(0.0, 4.0 * np.pi, frames))
     if canonical:

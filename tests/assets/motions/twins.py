@@ -1,4 +1,4 @@
-"""Places of joints by 4 x 4 matrices, one joint and one frame after the other: dumb twins of the readers."""
+"""Places of joints by 4 x 4 matrices, one joint and one frame after the other: simple twins of the readers."""
 
 import re
 
@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 
 def turn(axis: int, degrees: float) -> Array:
-    """Homogeneous matrix of a turn about a coordinate axis."""
+    """Return the homogeneous matrix of a turn about a coordinate axis."""
     a, b = (axis + 1) % 3, (axis + 2) % 3
     found = np.eye(4)
     found[a, a] = found[b, b] = np.cos(np.radians(degrees))
@@ -21,14 +21,14 @@ def turn(axis: int, degrees: float) -> Array:
 
 
 def shift(vector: Array) -> Array:
-    """Homogeneous matrix of a translation."""
+    """Return the homogeneous matrix of a translation."""
     found = np.eye(4)
     found[:3, 3] = vector
     return found
 
 
 def bvh_places(text: str) -> list[dict[str, Array]]:
-    """For each frame the places of joints by name, in the file's axes and unit. Position channels stand for the offset."""
+    """Return for each frame the places of joints by name, in the file's axes and unit. Position channels replace the offset."""
     words = text.split()
     at = words.index("MOTION")
     columns = int(re.search(r"Frames: (\d+)", text)[1])  # type: ignore[index]
@@ -67,7 +67,7 @@ def _bvh_frame(words: list[str], row: Array) -> dict[str, Array]:
 
 
 def asf_places(asf: str, row: Array) -> dict[str, Array]:
-    """Where the bones of the small skeleton begin in one frame of AMC, in the file's axes and unit."""
+    """Return the beginnings of the small skeleton's bones in one frame of AMC, in the file's axes and unit."""
     bones: dict[str, dict[str, list[str]]] = {}
     for block in re.findall(r"begin\s+id(.*?)end", asf, re.DOTALL):
         lines = [line.split() for line in ("id" + block).splitlines() if line.strip()]
