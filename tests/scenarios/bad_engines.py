@@ -1,6 +1,6 @@
-"""Deliberately bad engines. A scene that any of them passes cannot tell good from bad.
+"""Deliberately bad engines. A scene that any of them passes cannot separate good from bad.
 
-They join the harness as any outside engine does: through the entry-point group, from a folder on the path (`joined`).
+They are found by the harness like any external engine: through the entry-point group, from a folder on the path (`joined`).
 """
 
 import os
@@ -22,11 +22,11 @@ from reference.judging.judge import Judge
 
 Array = NDArray[np.float64]
 DEPTH = 2e-3
-"""What the third of them leaves [m]."""
+"""Overlap [m] that TwoMillimetres leaves."""
 PARTS, ROUNDS = 16, 8
-"""It cuts the part of a way in which it gets too deep into so many, so often: 100 m to a micrometre."""
+"""Number of parts and of rounds in which TwoMillimetres divides the part of a path that gets too deep: 100 m to a micrometre."""
 STEPS = 8
-"""Parts of a frame in which it looks; a body that passes through another within one of them is not seen."""
+"""Parts of a frame that it checks; a body that passes through another within one of them is not found."""
 
 DISTRIBUTION, MODULE = "bad_engines_for_tests", "bad_engines_of_a_stranger"
 NAMES = {
@@ -37,7 +37,7 @@ NAMES = {
 
 
 def joined(folder: Path) -> Path:
-    """Lay a distribution with these engines and its entry points into `folder`, as pip would; returns the folder."""
+    """Install a distribution with these engines and its entry points in `folder`, as pip would; return the folder."""
     (folder / f"{MODULE}.py").write_text(Path(__file__).read_text())
     (folder / "needs_absent_package.py").write_text("import a_package_that_nobody_has\n")
     info = folder / f"{DISTRIBUTION}-1.0.dist-info"
@@ -50,7 +50,7 @@ def joined(folder: Path) -> Path:
 
 
 class Frozen:
-    """Shows its first state for ever. Nothing overlaps, nothing is wrong, nothing happens."""
+    """An engine that always shows its first state: without overlap, without faults, without motion."""
 
     version = "1.0"
     presets: tuple[str, ...] = ("default", "other")
@@ -84,7 +84,7 @@ class Frozen:
         return self.shown()
 
     def move(self, sample: TrackerSample, dt: float) -> None:
-        """What is bad about it."""
+        """Change the state as the bad engine does."""
 
     def shown(self) -> FrameRecord:
         still = np.zeros_like(self.positions)
@@ -92,11 +92,11 @@ class Frozen:
         return FrameRecord(snapshot, self.angles.copy())
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: there is nothing to release."""
 
 
 class Tunnels(Frozen):
-    """The avatar goes wherever the tracker goes, bodies fall through everything."""
+    """An engine whose avatar follows the tracker everywhere, and whose bodies fall through everything."""
 
     def move(self, sample: TrackerSample, dt: float) -> None:
         positions, orientations = link_poses(self.scene.avatars, sample)
@@ -107,7 +107,7 @@ class Tunnels(Frozen):
 
 
 class NotANumber(Tunnels):
-    """Loses its numbers after three frames."""
+    """An engine whose positions are NaN after three frames."""
 
     def move(self, sample: TrackerSample, dt: float) -> None:
         super().move(sample, dt)
@@ -116,7 +116,7 @@ class NotANumber(Tunnels):
 
 
 class TwoMillimetres(Frozen):
-    """It stops 2 mm inside, cutting its way shorter until the judge finds just that."""
+    """An engine that stops 2 mm inside: it shortens the motion until the judge finds just that depth."""
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         self.judge = Judge(scene)
@@ -124,14 +124,14 @@ class TwoMillimetres(Frozen):
         return super().load(scene, settings, dt)
 
     def furthest(self, states: Callable[[Array], tuple[Array, Array]], parts: int) -> float:
-        """The share of a way up to which nothing is deeper than DEPTH: `states` gives poses (S, n, .) at shares (S,) of it. It
-        looks at the ends of so many parts, and into the first that gets too deep again and again."""
+        """Return the share of a path up to which nothing is deeper than DEPTH: `states` gives poses (S, n, .) at shares (S,).
+        It checks the ends of the parts, and divides the first part that gets too deep again and again."""
         low, high = 0.0, 1.0
         for _ in range(ROUNDS):
             shares = np.linspace(low, high, parts + 1)
             beyond = self.judge.depths(*states(shares[1:])) > DEPTH
             if not beyond.any():
-                # the whole way; later, the end of a part by a rounding
+                # the whole path; later, the end of a part, due to rounding
                 return float(high)
             first, parts = int(np.argmax(beyond)), PARTS
             low, high = shares[first], shares[first + 1]
@@ -144,7 +144,7 @@ class TwoMillimetres(Frozen):
             self.fly(dt)
 
     def follow(self, sample: TrackerSample) -> None:
-        """From the posture shown towards the tracker's as far as DEPTH allows."""
+        """Move from the shown posture towards the tracker's as far as DEPTH allows."""
         start = self.sample
 
         def postures(shares: Array) -> tuple[Array, Array]:
@@ -160,7 +160,7 @@ class TwoMillimetres(Frozen):
         self.angles = self.sample.angles
 
     def fly(self, dt: float) -> None:
-        """All bodies fly freely; at the first overlap of DEPTH the whole world stops, just that deep."""
+        """Move all bodies freely; at the first overlap of DEPTH stop the whole world at that depth."""
         begin, gained = self.positions, np.array(self.scene.gravity) * dt
         way, bend = np.zeros_like(begin), np.zeros_like(begin)
         way[self.moving], bend[self.moving] = self.velocities[self.moving] * dt, 0.5 * gained * dt
@@ -177,7 +177,7 @@ class TwoMillimetres(Frozen):
 
 
 def blended(a: TrackerSample, b: TrackerSample, shares: Array) -> tuple[Array, Array, Array]:
-    """Places (S, L, 3), rotations (S, L, 4) and angles (S, H) at `shares` (S,) of the way from a to b."""
+    """Return positions (S, L, 3), rotations (S, L, 4) and angles (S, H) at `shares` (S,) of the path from a to b."""
     part = shares[:, None]
     return (
         a.positions + part[..., None] * (b.positions - a.positions), rotation.slerp(a.rotations, b.rotations, part),
@@ -186,7 +186,7 @@ def blended(a: TrackerSample, b: TrackerSample, shares: Array) -> tuple[Array, A
 
 
 class Raises(Tunnels):
-    """Gives up in its fourth frame."""
+    """An engine that raises in its fourth frame."""
 
     def move(self, sample: TrackerSample, dt: float) -> None:
         super().move(sample, dt)
@@ -195,7 +195,7 @@ class Raises(Tunnels):
 
 
 class Dies(Tunnels):
-    """Takes its process along in the fourth frame, as a fault in compiled code would."""
+    """An engine that kills its process in the fourth frame, as a fault in compiled code would."""
 
     def move(self, sample: TrackerSample, dt: float) -> None:
         super().move(sample, dt)
@@ -204,7 +204,7 @@ class Dies(Tunnels):
 
 
 class Dawdles(Tunnels):
-    """Takes a second for each frame."""
+    """An engine that takes a second for each frame."""
 
     def move(self, sample: TrackerSample, dt: float) -> None:
         super().move(sample, dt)
@@ -212,7 +212,7 @@ class Dawdles(Tunnels):
 
 
 class Talks(Tunnels):
-    """Greets on the standard output, as some engines do from C."""
+    """An engine that prints to the standard output, as some engines do from C."""
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         print("WELCOME TO MY ENGINE", file=sys.stdout, flush=True)
@@ -221,7 +221,7 @@ class Talks(Tunnels):
 
 
 class Speechless(Frozen):
-    """Has no words for any scene."""
+    """An engine that supports no scene."""
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
         return {"scene": "it knows spheres only"}

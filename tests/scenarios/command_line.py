@@ -1,4 +1,4 @@
-"""The command line called as a user calls it, and what it left behind."""
+"""The command line called as by a user, and the files that it leaves."""
 
 import json
 from pathlib import Path
@@ -13,7 +13,7 @@ def called(tmp_path: Path, *words: str, frames: int = 6, jobs: int = 0) -> int:
 
 
 def last_run(tmp_path: Path) -> Path:
-    """The run that ended last, whatever its command."""
+    """Return the run that ended last, of any command."""
     newest = max((tmp_path / "out").glob("latest*"), key=lambda link: link.lstat().st_mtime_ns)
     return newest.resolve()
 

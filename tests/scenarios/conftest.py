@@ -1,4 +1,4 @@
-"""Fixtures of the tests of the command line: engines that join, and a catalogue of one easy scene."""
+"""Fixtures of the tests of the command line: external engines, and a catalogue of one easy scene."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -20,7 +20,7 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def easy(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A catalogue of one scene that asks for no more than every scene does: balls in the air, which no engine gets wrong."""
+    """Install a catalogue of one scene with only the bounds of every scene: balls in the air, correct in every engine."""
     scenario = replace(catalog.get("ball_drop"), name="easy", bounds=(), metrics=(), expects={})
     monkeypatch.setattr(catalog, "scenarios", lambda: {"easy": scenario})
     monkeypatch.setattr(catalog, "get", {"easy": scenario}.__getitem__)

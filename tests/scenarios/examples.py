@@ -20,14 +20,14 @@ WALL_FACE = 0.5
 
 
 def fist_scene() -> Scene:
-    """A driven ball of radius 0.1 m at the origin; a wall whose face is at x = 0.5 m."""
+    """Return a driven ball of radius 0.1 m at the origin and a wall whose face is at x = 0.5 m."""
     pieces = (Piece(Sphere(RADIUS)),)
     wall = fixed("wall", (Piece(Box((1.0, 4.0, 4.0))),), "wood", (WALL_FACE + 0.5, 0.0, 0.0))
     return Scene("fist", (wall,), (rigid_avatar("fist", pieces, solid(pieces, 1.0)),))
 
 
 def fist_motion(scene: Scene, seed: int) -> Motion:
-    """Towards the wall at 1.2 m/s: 20 mm a frame, into it after frame 20, and on."""
+    """Return a motion towards the wall at 1.2 m/s: 20 mm per frame, into the wall after frame 20, and farther."""
 
     def sample(frame: int) -> TrackerSample:
         at = rest(scene.avatars, (frame + 1) * DT)
@@ -37,7 +37,7 @@ def fist_motion(scene: Scene, seed: int) -> Motion:
 
 
 def fist(frames: int = 30) -> Scenario:
-    """The fist into the wall, with the bounds of a scene of the catalogue."""
+    """Return the scenario of the fist into the wall, with the bounds of a scene of the catalogue."""
     return Scenario(
         "fist", "A fist goes into a wall.", "Overlap.", fist_scene, fist_motion, frames,
         bounds=(
@@ -50,7 +50,7 @@ def fist(frames: int = 30) -> Scenario:
 
 
 def arm_scene() -> Scene:
-    """A free root; an arm on one hinge about y, -30 to 60 degrees; a hand on a ball, swing 45 and twist 20 degrees about x."""
+    """Return a free root, an arm on a hinge about y (-30 to 60 degrees), a hand on a ball (swing 45, twist 20 about x)."""
     pieces = (Piece(Sphere(0.05)),)
     mass = solid(pieces, 1.0)
     hinge = Hinges((Hinge((0.0, 1.0, 0.0), np.radians(-30.0), np.radians(60.0)),))
@@ -66,19 +66,19 @@ def arm_scene() -> Scene:
 
 
 def drop_scene() -> Scene:
-    """A ball of radius 0.1 m and 2 kg, one metre above a slab whose top is at z = 0."""
+    """Return a ball of radius 0.1 m and 2 kg, one metre above a slab whose top is at z = 0."""
     pieces = (Piece(Sphere(RADIUS)),)
     ball: Body = simulated("ball", pieces, "wood", solid(pieces, 2.0), (0.0, 0.0, 1.0 + RADIUS))
     return Scene("drop", (fixed("slab", (Piece(Box((1.0, 1.0, 0.2))),), "wood", (0.0, 0.0, -0.1)), ball))
 
 
 def nobody(scene: Scene, seed: int) -> Motion:
-    """No avatar, so no posture; only the time."""
+    """Return a sample without an avatar: only the time, no posture."""
     return lambda frame: rest(scene.avatars, (frame + 1) * DT)
 
 
 def drop(frames: int = 90, restitution: float = 0.3) -> Scenario:
-    """The ball falls on the slab; the wood's restitution is 0.3."""
+    """Return the scenario of the ball that falls on the slab; the wood's restitution is 0.3."""
     return Scenario(
         "drop", "A ball falls.", "Restitution.", drop_scene, nobody, frames,
         bounds=(Bound("restitution_error_max", 1e-3, "eq. 8"), Bound("apex_error_max", 1e-3, "e^2 h")),
@@ -87,7 +87,7 @@ def drop(frames: int = 90, restitution: float = 0.3) -> Scenario:
 
 
 def recorded(scene: Scene, samples: list[TrackerSample], dt: float = DT) -> Recording:
-    """A recording in which bodies rest where they start and links are exactly where the tracker has them.
+    """Return a recording in which bodies rest at their start and links have exactly the tracker's poses.
 
     `samples` begin with the first state; no snapshots inside frames."""
     f, n, fixed_bodies = len(samples), len(scene.names), len(scene.bodies)
@@ -110,26 +110,26 @@ def recorded(scene: Scene, samples: list[TrackerSample], dt: float = DT) -> Reco
 
 
 def resting(scene: Scene, frames: int) -> Recording:
-    """Nothing moves at all."""
+    """Return a recording of the ball at rest."""
     return recorded(scene, [scene.first_sample] * (frames + 1))
 
 
 def walked(frames: int) -> Recording:
-    """A fist that is always where its user has it, who drives it into the wall."""
+    """Return a recording of a fist that always has the pose of its user, which moves into the wall."""
     scene = fist_scene()
     motion = fist_motion(scene, 0)
     return recorded(scene, [scene.first_sample, *(motion(k) for k in range(frames))])
 
 
 def expecting(frames: int, **expects: object) -> Scenario:
-    """A scene without bounds that states these closed forms."""
+    """Return a scene without bounds that gives these closed forms."""
     return replace(drop(frames), expects=expects, bounds=())
 
 
 def with_inside(
     recording: Recording, times: list[float], frames: list[int], events: list[str], positions: np.ndarray, velocities: np.ndarray,
 ) -> Recording:
-    """The same with snapshots inside frames: positions and velocities (S, n, 3), orientations of the first state."""
+    """Return the recording with snapshots inside frames: positions and velocities (S, n, 3), orientations of the first state."""
     s = len(times)
     return replace(
         recording, inside_time=np.array(times), inside_frame=np.array(frames, dtype=np.int64),

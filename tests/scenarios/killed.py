@@ -1,13 +1,13 @@
-"""Crash testing: kill -9 at random moments, go on, and compare with a run that was left in peace.
+"""Crash testing: kill -9 at random moments, resume, and compare with an undisturbed run.
 
 `python -m tests.scenarios.killed [--kills N] [--of compare study] [--seed S] [--each K] [--whole]` runs both commands over a few
-cheap scenes and engines, kills each run K times at moments drawn over the length of one that is left in peace (in turn the
-parent alone and the whole process group), goes on as a user would, and compares what is left in the end. Times differ from run to
-run, and so do what is chosen by them and the pages that show them. All else has to be equal to the last byte:
+cheap scenes and engines, kills each run K times at moments drawn over the length of an undisturbed one (in turn the parent alone
+and the whole process group), resumes as a user would, and compares the final files. Times differ from run to run, and so do
+choices made by them and the pages that show them. All else has to be equal to the last byte:
 
-compare: results.json and results.csv but for rows of the timing pass, series of times and, of the provenance, when and how long
-it ran; every array of every recording, and its meta but for the rough time of a frame; the files of scenes and of overlapping
-pairs; the plan. Nothing half written is left. study: its rows but for those of times.
+compare: results.json and results.csv except rows of the timing pass, series of times and, of the provenance, its date and
+duration; every array of every recording, and its meta except the rough time of a frame; the files of scenes and of overlapping
+pairs; the plan. No half-written file is left. study: its rows except those of times.
 
 `--whole` runs scenes at their short lengths, with the studies that are part of a comparison, whose files have to be there.
 Exit codes: 0 all equal; 1 something differs.
@@ -38,20 +38,20 @@ WORDS: Mapping[str, Sequence[str]] = {
     "compare": ("compare", "--engine", *ENGINES, "--filter", "ball_drop,hand_over_table"),
     "study": ("study", "settings", "--engine", "avatarsim", "--filter", "ball_drop"),
 }
-"""What is run, but for its length."""
+"""Commands that are run, without their length."""
 CUT = ("--frames", "12")
-"""The length of it unless it is `--whole`: cheap, and every stage is passed."""
+"""Length of the commands without `--whole`: cheap, but every stage runs."""
 PATIENCE = 600.0
-"""Longest a run may take [s]."""
+"""Longest duration of a run [s]."""
 STUDIED = ("settings.csv", "effects.csv", "judge.json")
-"""Files of the studies of a whole comparison of these scenes; of times, or chosen by them."""
+"""Files of the studies of a whole comparison of these scenes; they contain times or depend on them."""
 Kept = dict[str, object]
-"""What has to be equal, by a name for it."""
+"""Results that have to be equal, by name."""
 
 
 @dataclass(frozen=True)
 class Command:
-    """One command: its words, what it leaves below `--out` that has to be equal, and with which options it goes on."""
+    """One command: its words, the results below `--out` that have to be equal, and the options to resume it."""
 
     words: tuple[str, ...]
     kept: Callable[[Path], Kept]
@@ -59,7 +59,7 @@ class Command:
 
 
 def commands(whole: bool, words: Mapping[str, Sequence[str]] = WORDS) -> dict[str, Command]:
-    """The commands by name."""
+    """Return the commands by name."""
     length = () if whole else CUT
     kept: dict[str, Callable[[Path], Kept]] = {"compare": lambda out: of_run(run_of(out), whole), "study": of_study}
     again: dict[str, Callable[[Path], tuple[str, ...]]] = {"compare": resumed, "study": lambda out: ()}
@@ -67,18 +67,18 @@ def commands(whole: bool, words: Mapping[str, Sequence[str]] = WORDS) -> dict[st
 
 
 def run_of(out: Path) -> Path:
-    """The run to which `latest` leads."""
+    """Return the run to which `latest` links."""
     return (out / "latest").resolve()
 
 
 def resumed(out: Path) -> tuple[str, ...]:
-    """The option that goes on with the last run that has begun; none where none has."""
+    """Return the option that resumes the last run that has begun, or none without such a run."""
     begun = sorted(path.parent for path in out.glob("*-compare*/results.json"))
     return ("--resume", str(begun[-1])) if begun else ()
 
 
 def of_run(folder: Path, whole: bool) -> Kept:
-    """What a comparison left that has nothing to do with times."""
+    """Return the results of a comparison that do not depend on times."""
     found = json.loads((folder / "results.json").read_text())
     for scene in found["series"].values():
         for numbers in scene.values():
@@ -99,14 +99,14 @@ def of_run(folder: Path, whole: bool) -> Kept:
         arrays = array_file.read(path)
         meta = json.loads(str(arrays.pop("meta")))
         meta.pop(FRAME_SECONDS)
-        # bytes, since numbers that are none are equal to nothing
+        # bytes, since NaN is not equal to itself
         members = {name: (array.dtype.str, array.shape, array.tobytes()) for name, array in arrays.items()}
         kept[str(path.relative_to(folder))] = members, meta
     return kept
 
 
 def of_study(out: Path) -> Kept:
-    """What a study left that has nothing to do with times."""
+    """Return the results of a study that do not depend on times."""
     folder = out / "studies"
     with (folder / "settings.csv").open(newline="") as file:
         rows = [row for row in csv.DictReader(file) if not is_time(row["metric"]) and row["metric"] != "resting_frames"]
@@ -120,7 +120,7 @@ def begin(words: Sequence[str], out: Path) -> subprocess.Popen[str]:
 
 
 def ends(words: Sequence[str], out: Path) -> tuple[int, str, float]:
-    """Exit code, what was said on the error stream, and the time [s] of a command that is left in peace."""
+    """Return the exit code, the error output and the time [s] of an undisturbed command."""
     begun = time.monotonic()
     running = begin(words, out)
     _, said = running.communicate(timeout=PATIENCE)
@@ -128,7 +128,7 @@ def ends(words: Sequence[str], out: Path) -> tuple[int, str, float]:
 
 
 def killed(words: Sequence[str], out: Path, moment: float, group: bool) -> bool:
-    """Start a command and kill it after `moment` [s]; False if it had ended before."""
+    """Start a command and kill it after `moment` [s]; return False if it had ended before."""
     running = begin(words, out)
     try:
         running.communicate(timeout=moment)
@@ -138,18 +138,18 @@ def killed(words: Sequence[str], out: Path, moment: float, group: bool) -> bool:
             os.killpg(running.pid, signal.SIGKILL)
         else:
             running.kill()
-    # worker processes that outlive it hold its error stream until they notice that it has gone
+    # worker processes that outlive it keep its error stream open until they notice its end
     running.communicate(timeout=PATIENCE)
     return True
 
 
 def differing(one: Kept, other: Kept) -> list[str]:
-    """Names of what is not equal."""
+    """Return the names of results that are not equal."""
     return [name for name in sorted({*one, *other}) if one.get(name) != other.get(name)]
 
 
 def tried(name: str, asked: Command, kills: int, each: int, draw: random.Random, tell: Callable[[str], object]) -> list[str]:
-    """Kill a command `kills` times, `each` times in one run; a sentence per difference."""
+    """Kill a command `kills` times, `each` times in one run; return a sentence per difference."""
     troubles = list[str]()
     with tempfile.TemporaryDirectory(prefix="killed-") as folder:
         peace = Path(folder) / "peace"
@@ -174,7 +174,7 @@ def tried(name: str, asked: Command, kills: int, each: int, draw: random.Random,
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Kill, go on, compare."""
+    """Kill, resume and compare; return 1 if something differs."""
     top = argparse.ArgumentParser(prog="python -m tests.scenarios.killed", description=str(__doc__).splitlines()[0])
     top.add_argument("--kills", type=int, default=50, metavar="N", help="kills of each command (50)")
     top.add_argument("--of", nargs="+", choices=WORDS, default=list(WORDS), help="commands (both)")

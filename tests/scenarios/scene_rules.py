@@ -1,4 +1,4 @@
-"""What is asked of every scene of a catalogue: its words, its bounds, a beginning free of overlap, a motion that is sound."""
+"""Rules for every scene of a catalogue: its texts, its bounds, a start free of overlap, a valid motion."""
 
 import numpy as np
 import pytest
@@ -13,14 +13,14 @@ from scenarios.scenario import EXPECTS, Scenario
 Array = NDArray[np.float64]
 
 BRISK = 0.15
-"""Largest way of a link's origin per frame [m]: 9 m/s, the speed of a fist."""
+"""Largest motion of a link's origin per frame [m]: 9 m/s, the speed of a fist."""
 FREEZES = ("still_frames", "apex_error_max")
-"""Metrics of which one has to be bounded, where nothing else is expected: an engine that freezes must break something that it
-can measure."""
+"""Metrics of which one needs a bound if the scene expects nothing else.
+An engine that freezes must violate a bound that can be measured."""
 
 
 def first_poses(scene: Scene) -> tuple[Array, Array]:
-    """Body frames of the whole scene at its start."""
+    """Return the body frames of the whole scene at its start."""
     positions, orientations = link_poses(scene.avatars, scene.first_sample)
     return (
         np.vstack([*(body.position for body in scene.bodies), positions]),
@@ -29,7 +29,7 @@ def first_poses(scene: Scene) -> tuple[Array, Array]:
 
 
 def says_what_it_is_and_what_must_hold(scenario: Scenario) -> None:
-    """One sentence each of what it is and what is judged, one name, one bound per metric, and those that no scene is without."""
+    """Check one sentence each for title and judgement, the name, one bound per metric, and the bounds that every scene needs."""
     assert scenario.build().name == scenario.name
     assert scenario.title.endswith(".") and scenario.judged.endswith(".")
     bounds = {bound.metric: bound for bound in scenario.bounds}
@@ -37,7 +37,7 @@ def says_what_it_is_and_what_must_hold(scenario: Scenario) -> None:
     assert bounds["residual_overlap_max"].limit == 1e-6
     assert "not_finite_frames" in bounds
     assert set(FREEZES) & set(bounds) or scenario.expects
-    # a bound on what the scene gives no closed form of would never be measured
+    # a bound on a metric without a closed form in the scene would never be measured
     by_key = {metric: key for key, (_, metrics) in EXPECTS.items() for metric in metrics}
     assert {by_key[metric] for metric in bounds if metric in by_key} <= set(scenario.expects)
     # raises for a metric that does not exist
@@ -45,7 +45,7 @@ def says_what_it_is_and_what_must_hold(scenario: Scenario) -> None:
 
 
 def begins_free_where_its_regions_allow(scenario: Scenario) -> None:
-    """The judge finds no overlap in the first pose, and every body is in its regions."""
+    """Check that the judge finds no overlap in the first pose, and that every body is in its regions."""
     scene = scenario.build()
     positions, orientations = first_poses(scene)
     assert scenario.expects.get("refusal") or Judge(scene).overlaps(positions, orientations).deepest == 0.0
@@ -55,7 +55,7 @@ def begins_free_where_its_regions_allow(scenario: Scenario) -> None:
 
 
 def moves_soundly(scenario: Scenario, fastest: float = BRISK) -> None:
-    """Valid samples, one per frame, the same when asked again; no origin goes farther than `fastest` [m] from frame to frame."""
+    """Check for valid samples, one per frame, equal when repeated; no origin moves farther than `fastest` [m] per frame."""
     scene = scenario.build()
     motion, again = scenario.motion(scene, 0), scenario.motion(scene, 0)
     samples = [checked(motion(frame), scene.avatars) for frame in range(min(scenario.frames, 400))]

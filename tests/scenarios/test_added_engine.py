@@ -1,4 +1,4 @@
-"""An engine is added by one folder: its adapter and its files of facts. Nothing of the project changes."""
+"""An engine is added by one folder: its adapter and its files of facts. Nothing in the project changes."""
 
 import sys
 from pathlib import Path

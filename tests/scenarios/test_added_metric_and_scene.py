@@ -1,4 +1,4 @@
-"""A metric added by one entry and one function, and a scene by one file: both are in table, gate and pages of a comparison."""
+"""A metric added by one entry and one function, and a scene by one file: both appear in table, gate and pages."""
 
 import csv
 import json
@@ -60,10 +60,10 @@ def test_they_are_in_table_gate_and_pages(tmp_path: Path) -> None:
         file.write(ENTRY)
     (tmp_path / "scenarios" / "measure" / "heights.py").write_text(FUNCTION)
     (tmp_path / "scenarios" / "catalog" / "toy_fall.py").write_text(SCENE)
-    # a run whose length is named has no studies
+    # a run of a given length has no studies
     words = ["compare", "--filter", "toy_fall", "--engine", "avatarsim", "--frames", "30", "--out", "out"]
     line = [sys.executable, "-m", "scenarios", *words]
-    # the rooms of this folder come first
+    # the rooms of this folder are first
     done = subprocess.run(line, cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(HOUSE)}, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     run = tmp_path / "out" / "latest"

@@ -1,4 +1,4 @@
-"""Every scene of the catalogue: found by its name, built free of overlap, its motion sound."""
+"""Every scene of the catalogue: found by its name, built free of overlap, with a valid motion."""
 
 import tomllib
 from dataclasses import replace
@@ -31,7 +31,7 @@ ALL = sorted(catalog.scenarios())
 CEILINGS = Path(catalog.__file__).parents[1] / "ceilings.toml"
 
 FASTEST = dict.fromkeys(("mocap_backflip", "mocap_dance_a", "mocap_kick", "mocap_run", "mocap_spinkick"), 0.21)
-"""Clips that are faster as recorded: their feet make up to 12.3 m/s."""
+"""Clips that are faster as recorded: their feet reach up to 12.3 m/s."""
 JUMPS_ABOUT = ("limit_torture", "limit_torture_hinges", "teleport", "thin_wall_hand")
 """Scenes whose users jump on purpose."""
 
@@ -65,7 +65,7 @@ def test_the_wall_stands_a_foot_inside_the_reach_and_is_never_wholly_passed(name
     samples = [motion(frame) for frame in range(scenario.frames)]
     assert reach(scene.avatars, samples, (1.0, 0.0, 0.0)).max() - face == pytest.approx(0.3, abs=0.01)
     places, _ = link_poses_each(scene.avatars, samples)
-    # the raw tracker is seen on the wrong side, but most of the avatar never gets there
+    # the raw tracker is found on the wrong side, but most of the avatar never gets there
     wrong = places[:, :, 0] > scenario.regions[0].high[0]
     assert wrong.any() and wrong.mean(axis=1).max() < 0.5
     assert places[:, 0, 0].max() < face

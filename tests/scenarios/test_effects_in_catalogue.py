@@ -1,4 +1,4 @@
-"""Over the whole catalogue: what a scene does not call for is not run, takes no time, and changes nothing when it is forced."""
+"""Over the whole catalogue: unused effects are skipped, take no time, and change nothing when they are forced on."""
 
 from dataclasses import fields, replace
 
@@ -13,16 +13,16 @@ from scenarios import catalog
 from scenarios.scenario import REFUSAL
 
 FRAMES = 12
-"""Frames of each scene: enough for things to meet in most of them, few enough for all seventy."""
+"""Frames of each scene: enough for contacts in most of them, few enough for all seventy."""
 
 STAGES = {"posture": "overlap_removal", "motion": "dynamics", "coupling": "coupling"}
-"""The effect that each stage of a frame belongs to."""
+"""Effect of each stage of a frame."""
 
 NAMES = [name for name, scenario in catalog.scenarios().items() if not scenario.expects.get(REFUSAL)]
 
 
 def shown(name: str, force: tuple[str, ...]) -> tuple[list[FrameRecord], AvatarsimEngine]:
-    """The first frames of a scene, with these effects forced on."""
+    """Return the first frames of a scene, with these effects forced on."""
     scenario = catalog.get(name).as_run(full=False)
     scene = replace(scenario.build(), force=force)
     motion, engine = scenario.motion(scene, 0), AvatarsimEngine()
@@ -44,7 +44,7 @@ def test_what_is_not_called_for_is_not_run_and_forced_on_it_changes_nothing(name
     off = tuple(effect.name for effect in fields(Effects) if not getattr(effects, effect.name))
     forced, _ = shown(name, off)
     scene = catalog.get(name).build()
-    # Velocities of driven bodies are found where simulated bodies may meet them, and nowhere else.
+    # Velocities of driven bodies are computed only where simulated bodies may meet them.
     free = [k for k, role in enumerate(scene.roles) if effects.coupling or role is Role.SIMULATED]
     for a, b in zip(plain, forced, strict=True):
         for what in ("positions", "orientations"):

@@ -1,4 +1,4 @@
-"""Engines by name: built in or by entry points, and classes that are refused."""
+"""Engines by name: built in or by entry points, and classes that are rejected."""
 
 import sys
 from pathlib import Path

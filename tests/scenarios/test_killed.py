@@ -1,4 +1,4 @@
-"""A few kills of the crash test, and that what it compares is not too little: a changed bit of a recording is a difference."""
+"""A few kills of the crash test, and a check that it compares enough: a changed bit of a recording is a difference."""
 
 import random
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Scenes of the catalogue driven live: which scene and which engines are meant, and what is refused."""
+"""Scenes of the catalogue driven live: the chosen scene and engines, and rejected input."""
 
 import pytest
 

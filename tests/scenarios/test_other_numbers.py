@@ -1,4 +1,4 @@
-"""The little world in other numbers, and starts that overlap."""
+"""The small world with other positions and scales, and starts that overlap."""
 
 import numpy as np
 import pytest
@@ -20,12 +20,12 @@ def test_a_course_is_the_same_in_other_numbers(course: object, place: Place) -> 
     assert callable(course)
     plain = np.array([course(Place(), t) for t in TIMES])
     there = (np.array([course(place, t) for t in TIMES]) - place.origin) / place.scale
-    # what is laid 2e-8 m above something is so at every scale
+    # a body placed 2e-8 m above another has this gap at every scale
     assert np.abs(there - plain).max() < 2.1e-8 / min(1.0, place.scale) + 1e-10
 
 
 def test_coincident_bodies_are_refused_with_exact_depths() -> None:
-    """A ball in a ball: r1 + r2; the others by the least way out of A - B, which is known for each."""
+    """A ball in a ball has depth r1 + r2; the others have the smallest exit distance of A - B, known for each."""
     refused = []
     for _ in range(2):
         with pytest.raises(StartOverlaps) as error:

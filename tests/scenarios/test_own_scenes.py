@@ -1,4 +1,4 @@
-"""Scenes from a user's files: what is read, where it starts, what drives it, and what is refused."""
+"""Scenes from a user's files: their content, start and motion, and rejected files."""
 
 import subprocess
 import sys
@@ -132,14 +132,14 @@ def test_what_was_changed_for_a_free_start_is_said(tmp_path: Path) -> None:
 
 
 def compared(out: Path, *words: str) -> "subprocess.CompletedProcess[str]":
-    """`compare` in a process of its own: the processes that it starts inherit what was asked for, and outlive a test."""
+    """Run `compare` in its own process: its child processes inherit the options, and outlive a test."""
     short = ("--engine", "avatarsim", "--jobs", "0", "--frames", "5", "--out", str(out))
     command = [sys.executable, "-m", "scenarios", "compare", *words, *short]
     return subprocess.run(command, cwd=HOUSE, capture_output=True, text=True, check=False)
 
 
 def test_the_command_runs_them(tmp_path: Path, boxes: str, arm: tuple[str, str]) -> None:
-    # an avatar that meets nothing is a scene too
+    # an avatar without contacts is a scene too
     good = compared(tmp_path / "out", "--scene", boxes, arm[0])
     assert good.returncode == 0 and "own_two_boxes" in good.stdout and "own_arm" in good.stdout
     absent = compared(tmp_path / "out", "--scene", str(tmp_path / "none.xml"))

@@ -1,4 +1,4 @@
-"""Robots of installed packages go through the Shield without overlap of their own geoms, by MuJoCo's distance."""
+"""Robots of installed packages pass the Shield without overlap of their own geoms, by MuJoCo's distance."""
 
 from importlib.util import find_spec
 from pathlib import Path

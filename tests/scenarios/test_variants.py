@@ -1,4 +1,4 @@
-"""Variants run in the scenes of their condition, and nowhere else."""
+"""Variants run only in the scenes of their condition."""
 
 import pytest
 
@@ -18,7 +18,7 @@ CASES: list[tuple[str, str, str, set[str]]] = [
     ("rapier", "sleeping", "tuned", {"sleep"}),
     ("rapier", "multibody", "tuned", {"reduced_coordinates"}),
 ]
-"""Engine, variant, the preset that it changes, and the settings that differ."""
+"""Engine, variant, the preset that it changes, and the changed settings."""
 
 
 @pytest.mark.parametrize(("variants", "among", "not_among", "most"), [

@@ -1,4 +1,4 @@
-"""An engine that comes in a package of its own, with its files of facts: links go where the tracker has them."""
+"""An engine in its own package, with its files of facts: links have the tracker's poses."""
 
 from pathlib import Path
 
@@ -39,7 +39,7 @@ sweep = [
 
 
 def laid(site: Path, about: str = ABOUT, sweep: str = SWEEP) -> Path:
-    """Lay the package into a folder, as pip would; return the package's folder."""
+    """Install the package in a folder, as pip would; return the package's folder."""
     info, package = site / "toy_physics-7.1.dist-info", site / "toy_physics" / "inner"
     for path, text in {
         info / "METADATA": "Metadata-Version: 2.1\nName: toy-physics\nVersion: 7.1\n",

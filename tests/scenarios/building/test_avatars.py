@@ -1,4 +1,4 @@
-"""Avatars as read from their files: masses, axes, joints and limits of the humanoid; MJCF files as MuJoCo reads them."""
+"""Avatars read from their files: masses, axes, joints and limits of the humanoid; MJCF files as MuJoCo reads them."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -37,7 +37,7 @@ HINGED = [link.name for link in HUMAN.links if isinstance(link.joint, Hinges)]
 
 
 def turned(name: str, axis: tuple[float, float, float], degrees: float) -> TrackerSample:
-    """The rest posture with one ball joint turned."""
+    """Return the rest posture with one ball joint turned."""
     sample = rest((HUMAN,))
     rotations = sample.rotations.copy()
     rotations[NAMES.index(name)] = rotation.from_axis_angle(axis, np.radians(degrees))
@@ -49,13 +49,13 @@ def place(sample: TrackerSample, name: str) -> Array:
 
 
 def angle(a: ArrayLike, b: ArrayLike) -> float:
-    """Angle [rad] between two directions."""
+    """Return the angle [rad] between two directions."""
     u, v = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
     return float(np.arctan2(np.linalg.norm(np.cross(u, v)), np.dot(u, v)))
 
 
 def overlapping(sample: TrackerSample) -> set[frozenset[str]]:
-    """Pairs of the avatar's own links that overlap."""
+    """Return the pairs of the avatar's own links that overlap."""
     verdict = Judge(Scene("alone", (), (HUMAN,))).overlaps(*link_poses((HUMAN,), sample))
     return {frozenset((a.removeprefix("human/"), b.removeprefix("human/"))) for a, b, _ in verdict.pairs}
 
@@ -102,7 +102,7 @@ def test_nothing_overlaps_when_standing_on_the_floor_or_with_all_joints_at_zero(
     )
     assert verdict.deepest == 0.0 and verdict.gap == pytest.approx(CLEARANCE, abs=1e-9)
     assert HUMAN.ignore == () and overlapping(rest((HUMAN,))) == set()
-    # the judge does see a thigh in the other
+    # the judge does find a thigh in the other
     assert frozenset(("left_hip", "right_hip")) in overlapping(turned("left_hip", (1.0, 0.0, 0.0), -25.0))
 
 
@@ -112,7 +112,7 @@ def test_a_cone_holds_all_four_ends_of_motion_and_the_neutral_posture(link: Link
     limits = ball_limits(name)
     side, joint = (-1.0 if name.startswith("right") else 1.0), name.split("_")[-1]
     angles = [angle(limits.centre, end) for end in ends(RANGES[joint], side)]
-    # one end lies on the rim: the cone is no larger than the table asks for
+    # one end lies on the rim: the cone is not larger than the table requires
     assert max(angles) == pytest.approx(limits.swing, abs=1e-12)
     assert angle(limits.centre, limits.axis) < limits.swing
     assert limits.twist[0] < 0.0 < limits.twist[1]

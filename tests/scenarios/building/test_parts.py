@@ -28,12 +28,12 @@ from scenarios.data_folder import data_file
 from scenarios.motion.mocap import load_clip
 
 SCENE = Scene("probed", gallery(), (driven("probe", Sphere(0.4), 1.0),))
-"""The gallery with a ball in it as wide as a person."""
+"""Return the gallery with a ball in it as wide as a person."""
 JUDGE = Judge(SCENE)
 
 
 def probed(x: float, y: float, z: float) -> Verdict:
-    """The judge's verdict on the ball at a place in the gallery."""
+    """Return the judge's verdict on the ball at a position in the gallery."""
     positions = np.array([*(body.position for body in SCENE.bodies), (x, y, z)])
     return JUDGE.overlaps(positions, np.array([*(body.orientation for body in SCENE.bodies), rotation.IDENTITY]))
 
@@ -71,7 +71,7 @@ def test_objects_stand_in_nothing() -> None:
     verdict = Judge(Scene("loose", bodies)).overlaps(
         np.array([body.position for body in bodies]), np.array([body.orientation for body in bodies]), 1e-3
     )
-    # and they do stand: something is within a millimetre of what carries it
+    # and they are supported: something is within a millimetre of its support
     assert verdict.deepest < 1e-6 and verdict.gap < 1e-3
 
 

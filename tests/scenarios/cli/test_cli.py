@@ -127,7 +127,7 @@ def test_3_for_a_scene_that_cannot_be_made_beside_others(site: Path, tmp_path: P
 def test_5_when_a_pattern_matches_nothing(
     site: Path, tmp_path: Path, words: list[str], named: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A list with a misspelt name must not be answered with "all pass"."""
+    """A list with a misspelt name must not give "all pass"."""
     assert called(tmp_path, *words) == 5
     err = capsys.readouterr().err
     assert all(name in err for name in named)
@@ -190,7 +190,7 @@ def test_many_scenes_are_timed_quickly_in_a_comparison_and_whole_in_a_bench(
         found = latest(tmp_path)
         times = [row for row in found["rows"] if row["metric"].startswith("frame_time")]
         assert all(row["note"].startswith(f"{rounds} frames, {WARM_FRAMES} ") for row in times) and len(times) > 4
-        # neither is enough for a tail, which its row says instead
+        # neither is enough for a tail; the row says so instead
         assert {row["metric"] for row in times if row["value"] is None} == set(TAIL)
         assert found["provenance"]["timing"]["repeats"] == REPEATS
         stored = list(csv.DictReader((last_run(tmp_path) / "bench.csv").read_text().splitlines()))
@@ -201,7 +201,7 @@ def test_a_scene_that_every_engine_refuses_has_no_times_and_ends_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("scenarios.run.harness.QUICK_FROM", 1)
-    # a start that overlaps and that is to be exact
+    # a start that overlaps and is required to be exact
     load = AvatarsimEngine.load
     monkeypatch.setattr(
         AvatarsimEngine, "load", lambda self, scene, settings, dt: load(self, scene, replace(settings, start="exact"), dt)
@@ -224,7 +224,7 @@ def test_every_preset_and_seed_is_a_run_of_its_own_and_the_same_twice_is_one(sit
 
 
 def test_a_whole_comparison_in_processes_of_their_own(site: Path, tmp_path: Path) -> None:
-    """Both passes through the real command: an engine that dies, one that is missing, one that talks, one that works."""
+    """Both passes with the real command: an engine that dies, one that is missing, one that prints, one that works."""
     command = [sys.executable, "-m", "scenarios", "compare", "--engine", "talks", "dies", "absent", *BALL]
     command += ["--preset", "default", "--frames", "12", "--jobs", "2", "--out", str(tmp_path / "out")]
     ran = subprocess.run(
@@ -237,7 +237,7 @@ def test_a_whole_comparison_in_processes_of_their_own(site: Path, tmp_path: Path
     assert runs["dies"][0] == "crashed" and "signal 9" in runs["dies"][1]
     assert runs["absent"][0] == "not-measured" and "a_package_that_nobody_has" in runs["absent"][1]
     times = {row["metric"]: row["value"] for row in found["rows"] if row["engine"] == "talks"}
-    # twelve frames have no 99th percentile, but a slowest one: the scene is timed whole
+    # twelve frames have a slowest one but no 99th percentile: the whole scene is timed
     assert 0.0 < times["frame_time_p50"] <= times["frame_time_p95"] <= times["frame_time_max"]
     assert times["frame_time_p99"] is None and times["deterministic"] == 1.0
     assert len(found["series"]["ball_drop"]["talks/default"]["frame_time_us"]) == 12

@@ -1,4 +1,4 @@
-"""Drawn scenes and motions by seed: a broken bound fails the command and is named; how a motion looks never does."""
+"""Drawn scenes and motions by seed: a broken bound fails the command and is named; the look of a motion never fails it."""
 
 import json
 from pathlib import Path
@@ -11,7 +11,7 @@ from scenarios.__main__ import main
 from scenarios.cli.drawn import picked
 
 SHORT = ["drawn", "--frames", "3", "--jobs", "0", "--seed", "42"]
-"""In three frames all fall and hardly anything touches yet."""
+"""In three frames all bodies fall and hardly any touch yet."""
 
 
 def rows(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, list[dict[str, Any]]]:

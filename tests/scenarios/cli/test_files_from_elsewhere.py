@@ -1,4 +1,4 @@
-"""Files of other programs in the place of settings, runs and tables: exit code 2, and never an endless wait."""
+"""Files of other programs in place of settings, runs and tables: exit code 2, and never an endless wait."""
 
 import json
 import os
@@ -19,7 +19,7 @@ NO_FILES: dict[str, Lay] = {
     "deep": lambda path: path.write_text(f"a = {DEEP}" if path.suffix == ".toml" else DEEP),
     "huge": lambda path: path.write_bytes(b"") and None or os.truncate(path, 2**40),
 }
-"""What may lie where a file is expected; the last takes no room on the disk."""
+"""Things that may be in place of an expected file; the last one takes no disk space."""
 
 
 @pytest.fixture(params=NO_FILES)

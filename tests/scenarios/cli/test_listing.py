@@ -1,4 +1,4 @@
-"""Effects of scenes, as `list` and the gate know them."""
+"""Effects of scenes, as used by `list` and the gate."""
 
 from dataclasses import replace
 from pathlib import Path

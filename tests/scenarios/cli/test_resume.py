@@ -1,4 +1,4 @@
-"""A run that is stopped ends in order and can be resumed; folders that are no run are refused and left alone."""
+"""A stopped run ends in order and can be resumed; folders that are not a run are rejected and left unchanged."""
 
 import json
 import os
@@ -80,7 +80,7 @@ def test_recordings_of_the_earlier_run_are_kept_and_halves_of_a_killed_one_remov
     folder = last_run(tmp_path)
     kept = folder / "recordings" / "ball_drop.frozen.default.0.npz"
     before = kept.stat().st_mtime_ns
-    # no process has so large a number
+    # no process has such a large number
     dead, mine = (folder / "recordings" / f".half.npz.{number}" for number in (2**30, os.getpid()))
     dead.write_bytes(b"PK")
     mine.write_bytes(b"PK")
@@ -93,7 +93,7 @@ def test_recordings_of_the_earlier_run_are_kept_and_halves_of_a_killed_one_remov
 def test_a_command_with_less_than_the_run_that_it_resumes_is_refused(
     site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """The rows of all that it does not have would be gone, with their times."""
+    """All rows that it does not have would be lost, with their times."""
     path = tmp_path / "mine.toml"
     path.write_text("[frozen.mine]\ngain = 1.0\n")
     both = ["run", "--engine", "frozen", "tunnels", *BALL, "--settings", str(path)]
@@ -134,14 +134,14 @@ def test_results_of_a_whole_run_stay_until_the_command_that_resumes_it_has_ended
 
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_a_real_run_in_order(tmp_path: Path, sent: signal.Signals) -> None:
-    """To the whole group, as a terminal does; long enough a scene that it cannot be over."""
+    """The signal goes to the whole group, as from a terminal; the scene is long enough not to be finished."""
     site, out = tmp_path / "site", tmp_path / "out"
     site.mkdir()
     command = [sys.executable, "-m", "scenarios", "run", "ball_drop", "--engine", "frozen", "dawdles", "--jobs", "2"]
     running = subprocess.Popen(
         [*command, "--out", str(out)], cwd=ROOT, env={**os.environ, "PYTHONPATH": str(joined(site))}, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
-        # background jobs of a shell ignore Ctrl-C, those of nohup SIGHUP, as would all that they start: here as at a terminal
+        # background jobs of a shell ignore Ctrl-C, those of nohup SIGHUP, and so do their children: here as at a terminal
         preexec_fn=lambda: [signal.signal(number, signal.SIG_DFL) for number in (signal.SIGINT, signal.SIGHUP)],
     )
     try:

@@ -1,4 +1,4 @@
-"""`avatarsim compare`: verdicts, exit codes, files that come out, and what is refused before anything runs."""
+"""`avatarsim compare`: verdicts, exit codes, output files, and input that is rejected before anything runs."""
 
 import json
 import sys
@@ -18,7 +18,7 @@ from scenarios.run.limits import gates_of, limit_of, limits_of
 BOX = """<mujoco><worldbody><geom name="ground" type="plane" size="5 5 .1"/>
 <body name="a" pos="0 0 0.3"><freejoint/><geom type="box" size=".1 .1 .1" mass="1"/></body></worldbody></mujoco>"""
 LANDS = 40
-"""Frames in which the box has landed."""
+"""Frames after which the box has landed."""
 
 
 @pytest.fixture(autouse=True)

@@ -1,4 +1,4 @@
-"""The search for settings: it takes what is better on the draws, stops where nothing is, and refuses what it cannot search."""
+"""The search for settings: it takes better settings on the draws, stops without any, and rejects ones that it cannot search."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,7 +19,7 @@ def called(*words: str) -> int:
 
 @pytest.fixture
 def valley(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Overlap that falls with the number of iterations down to 16, and the changes that were tried."""
+    """Install an overlap that falls as the iterations approach 16, and return the list of changes tried."""
     changes: list[str] = []
 
     def tried(jobs: Sequence[Job], candidates: Sequence[tune.Candidate], workers: int) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""Drawn crowds: the same by seed, of all kinds and shapes, free of overlap at the start."""
+"""Drawn crowds: equal for equal seeds, of all kinds and shapes, free of overlap at the start."""
 
 from collections import Counter
 
@@ -54,7 +54,7 @@ def test_two_hundred_crowds_have_every_kind_shape_and_law_that_they_should() -> 
 
 
 def size(shape: Shape) -> tuple[float, ...]:
-    """Edges, thickness and length, or twice the reach of a hull [m]."""
+    """Return the edges of a box, thickness and length of a capsule, or diameter of a sphere [m]; () for others."""
     if isinstance(shape, Box):
         return shape.size
     if isinstance(shape, Capsule):

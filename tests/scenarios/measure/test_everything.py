@@ -1,4 +1,4 @@
-"""All measures together: they are silent where a scene gives no occasion, and figures of absent packages are missing."""
+"""All metrics together: none is reported where a scene has no case for it, and figures of absent packages are missing."""
 
 import sys
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Frames with a pose that is no number are counted, each once."""
+"""Frames with a pose that is not finite are counted, each once."""
 
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""What measures of a scene have in common is worked out once, and again for whatever differs by a bit."""
+"""Shared intermediate results of the metrics of a scene: computed once, and again for input that differs by a bit."""
 
 from dataclasses import replace
 
@@ -13,7 +13,7 @@ from tests.scenarios.examples import fist, fist_scene, walked
 
 @pytest.fixture
 def asked(monkeypatch: pytest.MonkeyPatch) -> list[Recording]:
-    """Every recording whose free frames were worked out, not remembered."""
+    """Return the list of recordings whose free frames were computed, not taken from the cache."""
     found: list[Recording] = []
 
     def counted(recording: Recording, *rest: object) -> object:
@@ -28,7 +28,7 @@ def test_free_frames_are_those_of_the_measure_itself(asked: list[Recording]) -> 
     recording, known = walked(30), Known(fist(), fist_scene())
     plain = free_frames(recording, fist(), fist_scene(), known.judge.link_depths)
     assert known.free(recording).tolist() == plain.tolist() and 0 < plain.sum() < len(plain)
-    # another engine's links do not matter
+    # another engine's links have no effect
     elsewhere = recording.positions.copy()
     elsewhere[:, recording.links] += 1.0
     assert known.free(replace(recording, positions=elsewhere)).tolist() == plain.tolist()
@@ -48,7 +48,7 @@ def test_what_differs_by_a_bit_is_asked_again(field: str, asked: list[Recording]
 def test_contact_is_of_the_postures_shown_whatever_was_asked_before(asked: list[Recording]) -> None:
     recording, known = walked(30), Known(fist(), fist_scene())
     first = known.contact(recording)
-    # the target that is in the wall holds the avatar whatever is shown; before that only what is shown near it does
+    # a target in the wall puts the avatar in contact for any shown posture; before that only a shown posture near the wall does
     far = recording.positions.copy()
     far[:, recording.links] -= 0.5
     away = known.contact(replace(recording, positions=far))

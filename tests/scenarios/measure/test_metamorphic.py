@@ -1,6 +1,6 @@
-"""A recording that is moved, turned, or whose bodies come in another order gets the same verdicts, whatever they are.
+"""Invariance of verdicts: a recording that is moved, rotated, or has another order of bodies gets equal verdicts.
 
-No right answer is needed for that, so real runs can be asked: of the engine, and of the raw tracker, which is deep in everything.
+This needs no reference result, so real runs can be used: of the engine, and of the raw tracker, which has deep overlaps.
 """
 
 from collections.abc import Mapping
@@ -39,7 +39,7 @@ WORDS = ("frame_time", "_per_frame")
 
 @cache
 def run(engine: str, name: str, frames: int) -> tuple[Scenario, Scene, Recording]:
-    """A run as the harness records it."""
+    """Return a run as recorded by the harness."""
     scenario = replace(catalog.get(name).as_run(False), frames=frames)
     scene = scenario.build()
     motion, running = scenario.motion(scene, 0), opened(engine)
@@ -50,7 +50,7 @@ def run(engine: str, name: str, frames: int) -> tuple[Scenario, Scene, Recording
 
 
 def sent(recording: Recording, there: Elsewhere) -> Recording:
-    """A recording sent there: the inverse of bringing it back."""
+    """Return a recording moved to the place: the inverse of moving it back."""
     return replace(
         recording, positions=there.place(recording.positions), orientations=there.turned(recording.orientations),
         velocities=there.along(recording.velocities), raw_positions=there.place(recording.raw_positions),
@@ -63,13 +63,13 @@ def sent(recording: Recording, there: Elsewhere) -> Recording:
 
 
 def quarter(region: Region, there: Elsewhere) -> Region:
-    """A region after a quarter turn about z and a move: x goes to y, y to minus x."""
+    """Return a region after a quarter turn about z and a translation: x becomes y, y becomes minus x."""
     (x, y, z), (xx, yy, zz), (ox, oy, oz) = region.low, region.high, there.origin
     return replace(region, low=(ox - yy, oy + x, oz + z), high=(ox - y, oy + xx, oz + zz))
 
 
 def asked(scenario: Scenario, there: Elsewhere, regions: tuple[Region, ...]) -> Scenario:
-    """The same closed forms there."""
+    """Return the scenario with its closed forms at the new place."""
 
     def place(form: OfTime | None) -> OfTime | None:
         return None if form is None else lambda time: there.place(form(time)).tolist()
@@ -93,7 +93,7 @@ def asked(scenario: Scenario, there: Elsewhere, regions: tuple[Region, ...]) -> 
 
 
 def same(found: Mapping[str, object], wanted: Mapping[str, object], tolerance: float) -> None:
-    """Every figure and every missing one, times and counts of work apart."""
+    """Assert that every figure and every missing one agree, except times and counts of work."""
     assert set(found) == set(wanted) and wanted
     for metric, value in wanted.items():
         if isinstance(value, Missing):
@@ -106,7 +106,7 @@ def same(found: Mapping[str, object], wanted: Mapping[str, object], tolerance: f
 @pytest.mark.parametrize(("engine", "name", "frames"), RUNS)
 def test_moved_and_turned(engine: str, name: str, frames: int, there: Elsewhere) -> None:
     scenario, scene, recording = run(engine, name, frames)
-    # a region is a box along the axes, which only a quarter turn leaves one
+    # a region is a box along the axes, and stays one only after quarter turns
     regions = tuple(quarter(region, there) for region in scenario.regions) if there.turn == QUARTER else ()
     plain = scenario if there.turn == QUARTER else replace(scenario, regions=())
     wanted = measured(recording, Known(plain, scene))
@@ -117,7 +117,7 @@ def test_moved_and_turned(engine: str, name: str, frames: int, there: Elsewhere)
 
 @pytest.mark.parametrize(("engine", "name", "frames"), RUNS)
 def test_bodies_in_another_order(engine: str, name: str, frames: int) -> None:
-    """Reversed, so that A of each pair of bodies becomes B."""
+    """The order is reversed, so that A of each pair of bodies becomes B."""
     scenario, scene, recording = run(engine, name, frames)
     bodies, links = len(scene.bodies), len(scene.links)
     order = [*range(bodies - 1, -1, -1), *range(bodies, bodies + links)]
@@ -129,7 +129,7 @@ def test_bodies_in_another_order(engine: str, name: str, frames: int) -> None:
 
 
 def test_a_verdict_that_should_change_does() -> None:
-    """Or the checks above would prove nothing: gravity that is not turned with the world explains no fall any more."""
+    """Otherwise the checks above would prove nothing: gravity that is not rotated with the world no longer explains a fall."""
     scenario, scene, recording = run("avatarsim", "bounce_ladder", 45)
     there = Elsewhere(1.0, ASKEW)
     wrong = replace(there.scene(scene), gravity=scene.gravity)

@@ -1,4 +1,4 @@
-"""Residual overlap: known depths come out of frames and sub-steps, and a missing judge leaves no figure."""
+"""Residual overlap: known depths are found in frames and sub-steps, and without a judge there is no figure."""
 
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""Frames at rest: by poses alone, whatever an engine says of velocities, at any frame time."""
+"""Frames at rest: by poses alone, independent of an engine's velocities, at any frame time."""
 
 
 import numpy as np

@@ -13,5 +13,5 @@ def test_frames_beyond_the_wall_are_counted_shown_or_inside_or_not_a_number() ->
     within = np.tile(recording.positions[0], (2, 1, 1))
     within[:, 1, 0] = 0.7
     recording = with_inside(recording, [DT, 3.5 * DT], [1, 3], ["step", "step"], within, np.zeros((2, 2, 3)))
-    # frame 1 inside, frames 2 and 3 shown (3 inside as well), frame 5 is no place at all
+    # frame 1 inside, frames 2 and 3 shown (3 also inside), frame 5 is not finite
     assert wrong_side(recording, fist(8), fist_scene()) == {"wrong_side_frames": 4.0}

@@ -11,7 +11,7 @@ from tests.scenarios.examples import drop_scene, resting
 
 
 def eventful() -> Recording:
-    """Three frames with two events in the first and one in the third; every number tells where it stands."""
+    """Return three frames with two events in the first and one in the third; every number encodes its place."""
     recording = resting(drop_scene(), 3)
     n = recording.positions.shape[1]
 

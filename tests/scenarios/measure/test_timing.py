@@ -1,4 +1,4 @@
-"""Frame times: least of all repeats, own time, tails with enough frames, and windows that all engines share."""
+"""Frame times: minimum of all repeats, own time, tails with enough frames, and windows shared by all engines."""
 
 from dataclasses import replace
 
@@ -78,7 +78,7 @@ def test_engines_are_compared_by_what_all_had_and_the_tail_is_of_all_that_one_ha
     around[:, -1] = 70_000
     timed = Timed(around, warm_frames=30, shared=Round(1, 0, 50))
     found = frame_times(timed)
-    # one repeat of 50 frames: the second repeat, faster there, is not counted, which the others did not have
+    # one repeat of 50 frames: the faster second repeat is not counted, since the others do not have it
     assert found["frame_time_p50"] == found["frame_time_python_p50"] == found["frame_time_raw_p50"] == 3.0
     assert found["frame_time_max"] == 70.0
     assert timed.compared_us.shape == (50,) and timed.compared_us[7] == 50.0 and timed.best_us.shape == (TAIL_FRAMES,)
@@ -89,7 +89,7 @@ def test_engines_are_compared_by_what_all_had_and_the_tail_is_of_all_that_one_ha
 
 @pytest.mark.parametrize("moving", [0, PHASE_FRAMES - 1, PHASE_FRAMES, 80, 180])
 def test_a_median_of_two_phases_is_told_apart(moving: int) -> None:
-    """The first frames move and take 20 us, the others rest and take 1 us."""
+    """Return times in which the first frames move and take 20 us, and the others rest and take 1 us."""
     around = np.full((REPEATS, 180), 1000, dtype=np.int64)
     around[:, :moving] = 20_000
     timed, rests = Timed(around), [k >= moving for k in range(200)]
@@ -101,12 +101,12 @@ def test_a_median_of_two_phases_is_told_apart(moving: int) -> None:
         assert (found["frame_time_moving_p50"], found["frame_time_resting_p50"], found["frame_time_p50"]) == (20.0, 1.0, 1.0)
         assert notes["frame_time_moving_p50"].startswith(f"80 of {REPEATS} x 180 frames")
         assert notes["frame_time_p50"].endswith("; moving 20 us, resting 1 us")
-    # of a run whose recording is shorter than what was timed nothing is told
+    # a run whose recording is shorter than the timed frames gives no figure
     assert not {"frame_time_moving_p50", "resting_frames"} & set(frame_times(timed, resting=rests[:179]))
 
 
 def test_no_tail_is_given_below_a_95th_percentile_over_fewer_frames() -> None:
-    """What is compared are the first 50 frames, and those are the dear ones."""
+    """The first 50 frames are compared, and they are the expensive ones."""
     around = np.full((REPEATS, 5 * TAIL_FRAMES), 1000, dtype=np.int64)
     around[:, :5] = 40_000
     found = frame_times(Timed(around, shared=Round(REPEATS, 0, 50)))

@@ -1,4 +1,4 @@
-"""Scripted motion: through its keys, smooth, never twice the same, and the same again for the same seed."""
+"""Scripted motion: through its keys, smooth, with no two repetitions alike, and equal for equal seeds."""
 
 import numpy as np
 import pytest

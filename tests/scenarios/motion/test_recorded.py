@@ -1,4 +1,4 @@
-"""Recorded clips are retimed, repeated, placed and layered; tracks are cut, mirrored and led in without a jump."""
+"""Recorded clips are retimed, repeated, placed and layered; tracks are cut, mirrored and started without a jump."""
 
 from pathlib import Path
 
@@ -37,7 +37,7 @@ def test_retiming_turns_at_a_constant_rate(tmp_path: Path) -> None:
     turned = angle_between(clip.rotations["root"][:1], clip.rotations["root"])
     assert np.allclose(turned, 0.5 * np.pi * clip.times, atol=1e-12)
     assert np.allclose(clip.root_positions[:, 0], 6.0 * clip.times)
-    # half-way: an eighth of a turn about up, by hand; and the short way round
+    # half-way: an eighth of a turn about the vertical, by hand; and the short direction
     assert np.allclose(clip.rotations["root"][30], [np.cos(np.pi / 8), 0.0, 0.0, np.sin(np.pi / 8)], atol=1e-12)
     last[4:8] = [-1.0, 0.0, 0.0, 0.0]
     same = retimed(read_clip(written(tmp_path / "same.txt", [first, last])))
@@ -88,7 +88,7 @@ HUMAN = humanoid()
 
 
 def numbered(frames: int) -> Track:
-    """A track whose root is at x = frame."""
+    """Return a track whose root is at x = frame."""
     positions = np.zeros((frames, 1, 3))
     positions[:, 0, 0] = np.arange(frames)
     return Track(positions, np.tile(rotation.IDENTITY, (frames, 1, 1)), np.zeros((frames, 0)))

@@ -1,4 +1,4 @@
-"""The same motion at another rate: even motions are the same, whole samples stay to the bit, bounds are equal."""
+"""A motion at another rate: uniform motions are equal, whole samples are equal to the bit, bounds are equal."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,7 +18,7 @@ SPIN, SPEED = 2.0, 0.6
 
 
 def at(time: float) -> TrackerSample:
-    """A link that moves and turns evenly, and a hinge that does."""
+    """Return a link that moves and turns uniformly, and a hinge that turns uniformly."""
     turn = rotation.from_axis_angle((0.0, 0.6, 0.8), SPIN * time)
     return TrackerSample(time, np.array([[SPEED * time, 0.0, 1.0]]), turn.reshape(1, 4), np.array([3.0 * time]))
 

@@ -26,7 +26,7 @@ FIST = Path("recordings") / "fist.tunnels.default.0.npz"
 
 @pytest.fixture
 def offered(monkeypatch: pytest.MonkeyPatch) -> dict[str, Scenario]:
-    """A catalogue of three scenes; a test may change it."""
+    """Return a catalogue of three scenes; a test may change it."""
     found = {"fist": fist(), "drop": drop(), "refusing": replace(fist(5), expects={"refusal": True})}
     module = ModuleType(CATALOGUE)
     monkeypatch.setattr(module, "get", found.__getitem__, raising=False)
@@ -36,7 +36,7 @@ def offered(monkeypatch: pytest.MonkeyPatch) -> dict[str, Scenario]:
 
 @pytest.fixture
 def folder(tmp_path: Path, offered: dict[str, Scenario], monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A run folder, with the bad engines joined."""
+    """Return a run folder, with the bad engines installed."""
     site = tmp_path / "site"
     site.mkdir()
     monkeypatch.syspath_prepend(joined(site))
@@ -48,7 +48,7 @@ def job(scenario: str, engine: str = "tunnels", preset: str = "default", **more:
 
 
 def moved(change: Callable[[int, TrackerSample], TrackerSample]) -> Callable[[Scene, int], Motion]:
-    """The motion of the fist, changed."""
+    """Return the scenario of the fist with a changed motion."""
     def motion(scene: Scene, seed: int) -> Motion:
         user = fist_motion(scene, seed)
         return lambda k: change(k, user(k))
@@ -85,7 +85,7 @@ def test_the_tracker_has_its_links_where_kinematics_says() -> None:
 def test_a_run_is_recorded_and_measured(folder: Path) -> None:
     outcome = accuracy(job("fist"), folder)
     assert (outcome.state, outcome.frames, len(outcome.overlap_m)) == ("measured", 30, 31)
-    # 20 mm a frame for 30 frames, from 0: 0.6 m, and the wall's face is 0.4 m from where the fist begins to touch
+    # 20 mm per frame for 30 frames, from 0: 0.6 m; the fist begins to touch the wall's face at 0.4 m
     assert outcome.values["residual_overlap_max"] == pytest.approx(0.2, abs=1e-8)
     assert (outcome.values["wrong_side_frames"], outcome.values["tracker_offset_rms"]) == (5.0, 0.0)
     assert outcome.about["settings"]["badness"] == ("Tunnels", "a test needs it")

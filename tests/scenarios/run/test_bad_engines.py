@@ -1,4 +1,4 @@
-"""Every scene proves that it can tell good from bad: four bad engines, each fails each scene, at the gate, with exit code 1."""
+"""Every scene separates good from bad: four bad engines, each fails each scene, at the gate, with exit code 1."""
 
 import json
 from collections.abc import Iterator
@@ -15,17 +15,17 @@ from scenarios.catalog import scenarios
 from tests.scenarios.bad_engines import DEPTH, joined
 
 AFTER_CONTACT = 4
-"""Frames beyond the first one in which the raw tracker is well inside something: enough for every badness to show."""
+"""Frames after the first one in which the raw tracker is clearly inside something: enough for every fault to appear."""
 AT_ONCE = 60
-"""Frames of the raw tracker that are judged at once; one by one takes ten times as long."""
+"""Frames of the raw tracker that are judged together; one by one takes ten times as long."""
 WITHOUT_AVATAR = 0.7
-"""Length [s] of a scene without avatar: a ball that falls 1 m lands after 0.45 s, and its bounce is asked for 0.1 s later."""
+"""Length [s] of a scene without avatar: a ball that falls 1 m lands after 0.45 s, and its bounce is checked 0.1 s later."""
 
 METRICS = {
     "frozen": None, "tunnels": "residual_overlap_max", "two_millimetres": "residual_overlap_max",
     "not_a_number": "not_finite_frames",
 }
-"""The bad engines, and which bound has to catch each of them, if not any will do."""
+"""Bad engines, and the bound that has to catch each of them; None: any bound."""
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -39,7 +39,7 @@ def _strangers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 @cache
 def frames(name: str) -> int:
-    """How long a run must be for the raw tracker to have been deeper in something than DEPTH."""
+    """Return the frames of a run after which the raw tracker has been deeper in something than DEPTH."""
     scenario = scenarios()[name].as_run(False)
     scene = scenario.build()
     if not scene.avatars:
@@ -62,7 +62,7 @@ def frames(name: str) -> int:
 
 @pytest.mark.parametrize("name", list(scenarios()))
 def test_bad_engines_fail_the_scene(name: str, tmp_path: Path) -> None:
-    """All of them in one run: what a run begins with would take as long as the engines."""
+    """All engines in one run: the start of a run would take as long as the engines."""
     words = ["check", "--engine", *METRICS, "--filter", name, "--out", str(tmp_path / "out"), "--jobs", "0"]
     assert main([*words, "--frames", str(frames(name))]) == 1
     results = json.loads((tmp_path / "out" / "latest-check" / "results.json").read_text())
@@ -70,23 +70,23 @@ def test_bad_engines_fail_the_scene(name: str, tmp_path: Path) -> None:
     for engine, metric in METRICS.items():
         rows = [row for row in results["rows"] if row["engine"] == engine]
         failed = {row["metric"]: row["value"] for row in rows if row["status"] == "fail"}
-        # one of them is enough for exit code 1
+        # one failed row is enough for exit code 1
         assert failed, engine
         assert_caught(name, engine, metric, failed)
 
 
 def assert_caught(name: str, engine: str, metric: str | None, failed: dict[str, float]) -> None:
-    """An engine fails a scene by what is bad about it."""
-    # where nothing can touch, an engine without contact is caught by how it flies or turns
+    """Assert that an engine fails a scene by its own fault."""
+    # where nothing can touch, an engine without contact is caught by its free motion
     touches = not scenarios()[name].expects.get("nothing_touches")
     if metric is not None and (touches or engine == "not_a_number"):
         assert metric in failed, engine
     if scenarios()[name].expects.get("refusal"):
-        # it begins inside on purpose: an engine that shows it at all is found to overlap
+        # the scene begins with overlap on purpose: an engine that shows it at all is found to overlap
         assert {"residual_overlap_max", "not_finite_frames"} & set(failed), engine
         return
     if engine == "two_millimetres" and touches:
         assert failed["residual_overlap_max"] == pytest.approx(DEPTH, abs=2e-5)
     if engine == "frozen":
-        # it is caught for what it is, and not because the scene begins badly
+        # it is caught for freezing, and not because of a bad start of the scene
         assert not {"residual_overlap_max", "wrong_side_frames", "not_finite_frames"} & set(failed)

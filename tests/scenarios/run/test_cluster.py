@@ -39,13 +39,13 @@ def act(word: str) -> str:
     return f"{word} {os.getpid()}"
 
 
-# workers find the function by its module, not by the name that pytest gave it
+# workers find the function by its module, not by the name given by pytest
 act.__module__ = "tests.scenarios.run.test_cluster"
 
 
 @contextmanager
 def own_workers(workers: int) -> Iterator[LocalCluster]:
-    """Loopback alone; what a nanny looks after may start processes of its own only by this setting."""
+    """Start a cluster on loopback only; a worker with a nanny may start its own processes only with this setting."""
     with dask.config.set({"distributed.worker.daemon": False}), pytest.MonkeyPatch.context() as patch:
         patch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")]))
         with LocalCluster(n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as local:
@@ -124,7 +124,7 @@ def test_an_address_without_a_scheduler_is_refused(monkeypatch: pytest.MonkeyPat
 def test_a_cluster_that_has_lost_its_workers_resumes_with_a_new_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    """The nanny of the killed worker starts another one, which takes longer than many looks."""
+    """The nanny of the killed worker starts another one, which takes longer than many polls."""
     monkeypatch.setattr(generic, "LOOK_EVERY", 0.02)
     gate, said, found = tmp_path / "gate", "", []
     with own_workers(1) as local:
@@ -145,7 +145,7 @@ def test_a_cluster_that_has_lost_its_workers_resumes_with_a_new_one(
 
 
 class Client:
-    """Workers that are those of a list, look by look, and at the end those of the last one; None: no scheduler."""
+    """A client with workers from a list, one entry per poll, and at the end those of the last entry; None: no scheduler."""
 
     def __init__(self, *looks: set[str] | None) -> None:
         self.looks, self.seen_all = list(looks), threading.Event()

@@ -43,7 +43,7 @@ def test_only_the_gated_engine_passes_or_fails() -> None:
     assert by_metric(gated)[OVERLAP].status == "fail" and exit_code(gated) == 1
     assert {row.status for row in other} == {"info"} and exit_code(other) == 0 and by_metric(other)[OVERLAP].bound == 1e-6
     passing = rows_of(outcome(**SOUND), fist(), {}, True)
-    # measured, though this scene puts no bound on it
+    # measured, although this scene has no bound on it
     assert by_metric(passing)["wrong_side_frames"].status == "info" and exit_code(passing) == 0
 
 

@@ -1,4 +1,4 @@
-"""What the machine says of itself, and where it says nothing."""
+"""Facts of the machine, and cases in which it gives none."""
 
 import math
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Settings of a user's own: a row each, refused before anything runs where they cannot be meant."""
+"""Settings given by a user: a row each, rejected before anything runs if they cannot be meant."""
 
 from pathlib import Path
 

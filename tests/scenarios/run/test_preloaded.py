@@ -1,4 +1,4 @@
-"""The fork server has loaded the modules of worker processes and no engine; a part that fails stops no other."""
+"""The fork server has loaded the modules of worker processes but no engine; a part that fails does not stop the others."""
 
 import subprocess
 import sys

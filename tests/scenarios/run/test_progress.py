@@ -1,4 +1,4 @@
-"""Progress: a bar on a terminal, elsewhere a line at the end and few before."""
+"""Progress: a bar on a terminal, otherwise a final line and few lines before."""
 
 import io
 

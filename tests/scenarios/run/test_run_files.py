@@ -1,4 +1,4 @@
-"""Files of a run: the mesh of a scene, figures in the meta of a recording, recordings with what is still needed."""
+"""Files of a run: the mesh of a scene, figures in the meta of a recording, recordings with the arrays still needed."""
 
 import json
 from dataclasses import replace
@@ -51,7 +51,7 @@ def test_links_name_their_parents() -> None:
 
 
 def recording(meta: dict[str, object], overlap: int = 0) -> Recording:
-    """A recording whose meta has been through a file."""
+    """Return a recording whose meta was written to a file and read back."""
     return replace(resting(drop_scene(), 3), meta=json.loads(json.dumps(plain(meta))), overlap=np.zeros(overlap))
 
 

@@ -1,4 +1,4 @@
-"""The timing pass: fresh loads in processes that stay, shared frames of all engines of a scene, windows of quick timing."""
+"""The timing pass: fresh loads in persistent processes, shared frames of all engines of a scene, windows of quick timing."""
 
 import math
 import multiprocessing
@@ -35,7 +35,7 @@ from tests.scenarios.bad_engines import joined
 
 BALL, ZENO = Job("ball_drop", "avatarsim", "default", frames=12), Job("zeno", "avatarsim", "default", frames=7)
 FAST, SLOW, MEDIUM = 1e-6, ROUND_TIME / LEAST_FRAMES, 0.9 * CHEAP_TIME / TAIL_FRAMES
-"""Times of a frame [s]: all frames are cheap, the least window is not, or just TAIL_FRAMES are."""
+"""Times of a frame [s]: all frames are cheap, the smallest window is not, or only TAIL_FRAMES are."""
 
 
 def run(worker: TimedWorker, job: Job, frames: int) -> tuple[int, str]:
@@ -72,7 +72,7 @@ def test_every_frame_of_every_repeat_is_timed_and_an_engine_without_times_has_a_
     timed = tunnels.timed
     assert timed is not None and timed.around_ns.shape == (REPEATS, 9) and (timed.around_ns > 0).all() and timed.warmup > 0.0
     assert np.array_equal(timed.best_us, timed.around_ns.min(axis=0) / 1e3)
-    # a scene of nine frames has no more to warm up with
+    # a scene of nine frames has no further ones to warm up
     assert timed.warm_frames == 9 and len(timed.hashes) == REPEATS and len(set(timed.hashes)) == 1
     assert all(one.timed is None for one in others)
     for one, part in zip(others, ("lost its way", "a_package_that_nobody_has", "signal 9", "nobody"), strict=True):
@@ -104,7 +104,7 @@ def test_frames_before_the_window_run_and_are_not_timed() -> None:
     whole = timed_pass([late], True, [Round(REPEATS, 0, 40)])[0].timed
     for one in found:
         assert one.timed is not None and one.timed.shared == Round(REPEATS, 30, 10) and one.timed.compared_us.shape == (10,)
-    # it ends in the bits of a run that was timed from its start
+    # its final bits equal those of a run timed from its start
     assert whole is not None and found[0].timed is not None and set(found[0].timed.hashes) == set(whole.hashes)
 
 
@@ -123,7 +123,7 @@ def test_scenes_share_processes_and_every_engine_is_warm_and_has_the_same_frames
     assert not any(child.is_alive() for child in children)
     for scene, found in (("ball_drop", first), ("zeno", second)):
         for one in found:
-            # both are shorter than the frames wanted of a longer one
+            # both are shorter than the frames required of a longer one
             assert one.timed is not None and one.timed.around_ns.shape == (REPEATS, get(scene).as_run(False).frames)
             assert np.isnan(one.timed.warmup) and one.timed.warm_frames == WARM_FRAMES and len(set(one.timed.hashes)) == 1
 
@@ -146,7 +146,7 @@ def test_an_engine_that_dies_has_a_new_process_in_the_next_scene(
         for scene in ("ball_drop", "zeno"):
             dies, raises, lives = compared(quick(scene, ("dies", "raises", "tunnels"), workers, frames=9))
             assert dies.timed is None and "signal 9" in dies.note and raises.timed is None and "lost its way" in raises.note
-            # it is compared by the frames of those that are left
+            # it is compared by the frames of the remaining ones
             assert lives.timed is not None and lives.timed.shared == Round(REPEATS, 0, 9) and lives.timed.warm_frames == 9
 
 
@@ -164,19 +164,19 @@ def test_a_scene_of_a_sweep_or_an_everyday_one_is_timed_whole() -> None:
     with TimedWorkers() as workers:
         swept = quick_timing(jobs, [1.0, 1.0], frames, workers, swept=1)
         everyday = quick_timing(jobs[1:], [1.0], frames, workers, at_length=True)
-    # the gated one as often as any, since its slowest frame is that of the scene
+    # the gated engine as often as any, since its slowest frame is that of the scene
     shapes = [one.timed.around_ns.shape for one in (*swept, *everyday) if one.timed]
     assert shapes == [(REPEATS, frames), (1, frames), (REPEATS, frames)]
 
 
 def test_a_fast_engine_has_the_whole_scene_or_a_tail_whatever_is_slow_beside_it() -> None:
     assert rounds([FAST, SLOW, MEDIUM], 600, 0) == [(REPEATS, 0, 600), (1, 0, LEAST_FRAMES), (REPEATS, 0, TAIL_FRAMES)]
-    # where the user meets nothing the frames before the window warm it up
+    # if the user meets nothing, the frames before the window warm it up
     assert rounds([SLOW, MEDIUM], 600) == [(1, WARM_FRAMES, LEAST_FRAMES), (REPEATS, WARM_FRAMES, TAIL_FRAMES)]
     assert rounds([SLOW], LEAST_FRAMES + 3) == [(1, 3, LEAST_FRAMES)]
     assert rounds([FAST, FAST], 2 * MOST_FRAMES) == [(REPEATS, 0, MOST_FRAMES)] * 2
     assert rounds([0.0, FAST], 600) == [(REPEATS, 0, 600)] * 2
-    # the gated one however slow it is
+    # the gated engine even if it is slow
     gated, other = rounds([SLOW, SLOW], 600, 300, (True, False))
     assert gated == (REPEATS, 0, 600) and (other.repeats, other.frames) == (1, LEAST_FRAMES)
 
@@ -193,15 +193,15 @@ def test_the_shared_window_holds_the_first_contact_and_is_in_the_frames_of_all(l
 
 
 def test_an_unseen_motion_is_timed_at_its_deepest_contact_as_far_as_the_lead_reaches() -> None:
-    # a touch at once, contact in the third second, more in the ninth
+    # a touch at the start, contact in the third second, more in the ninth
     depths = [0.0] * 601
     depths[3], depths[181:201], depths[521:561] = 0.01, 20 * [0.1], 40 * [0.3]
     assert round(LEAD_TIME / SLOW) == 200 and rounds([SLOW], 600, 3, (), depths) == [(1, 160, LEAST_FRAMES)]
-    # an engine that is fast enough reaches the deepest, with a longer window; the first contact is reached in any case
+    # a sufficiently fast engine reaches the deepest contact, with a longer window; the first contact is always reached
     [fast] = rounds([0.25 * SLOW], 600, 3, (), depths)
     assert fast.first <= 520 and fast.first + fast.frames == 560
     assert rounds([100.0 * SLOW], 600, 190, (), depths) == [(1, 160, LEAST_FRAMES)]
-    # where depths are not known the window is that of the first contact
+    # with unknown depths the window is that of the first contact
     assert rounds([SLOW], 600, 3) == rounds([SLOW], 600, 3, (), [math.nan] * 601) == [(1, 0, LEAST_FRAMES)]
 
 

@@ -1,4 +1,4 @@
-"""Checkpoints: answers survive, a torn line is asked again, answers of other sources are dropped."""
+"""Checkpoints: results survive, an incomplete line is computed again, results of other sources are dropped."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""The command `study`: finished runs are not repeated, bad input is refused at the door."""
+"""The command `study`: finished runs are not repeated, invalid input is rejected at the start."""
 
 import csv
 from pathlib import Path

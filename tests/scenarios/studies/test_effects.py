@@ -1,4 +1,4 @@
-"""Effects: the runs of the study, and that its rows are what was measured."""
+"""Effects: the runs of the study, and that its rows equal the measurements."""
 
 from collections.abc import Sequence
 from dataclasses import fields

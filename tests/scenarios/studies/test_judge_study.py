@@ -1,4 +1,4 @@
-"""The judge examined within a comparison: the pairs are this version's, and the file is the one that the report reads."""
+"""The study of the judge within a comparison: its pairs are this version's, and its file is the one read by the report."""
 
 import json
 import sys

@@ -1,4 +1,4 @@
-"""Studies within a comparison: what they are told, and what becomes of one that fails."""
+"""Studies within a comparison: their arguments, and the handling of one that fails."""
 
 import argparse
 import json
@@ -61,7 +61,7 @@ def test_a_stopped_study_stops_the_run(tmp_path: Path, monkeypatch: pytest.Monke
         raise KeyboardInterrupt
 
     assert compared(tmp_path, monkeypatch, Study("long", stops)) == 130
-    # `latest` leads to runs that have ended
+    # `latest` links to runs that have ended
     (folder,) = (tmp_path / "out").iterdir()
     assert json.loads((folder / "results.json").read_text())["exit_code"] is None
 

@@ -33,7 +33,7 @@ def poses(clip: Clip) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("clip", [WALK, KICK], ids=lambda clip: clip.name)
 def test_a_mirrored_posture_is_the_posture_in_the_mirror(clip: Clip) -> None:
-    """By forward kinematics: each link lies and is turned as the mirror has the one of the other side."""
+    """By forward kinematics, each link has the mirrored pose of the one on the other side."""
     sides = {"left": "right", "right": "left"}
     swapped = [NAMES.index("_".join(sides.get(part, part) for part in name.split("_"))) for name in NAMES]
     (p, q), (mirror_p, mirror_q) = poses(clip), poses(mirrored(clip))
@@ -48,7 +48,7 @@ def test_a_mirrored_posture_is_the_posture_in_the_mirror(clip: Clip) -> None:
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_a_warp_stays_between_its_rates_and_keeps_both_ends(seed: int) -> None:
-    """Of a clip whose root's height is its own time, which the warp so writes down."""
+    """The root's height of the clip equals its time, so the result shows the warp."""
     clip = cut(SPIN, 0, 150)
     root = clip.root_positions.copy()
     root[:, 2] = clip.times
@@ -65,7 +65,7 @@ def test_a_fade_is_continuous_and_ends_in_the_other_clip(turn: float) -> None:
     joined = faded(WALK, cut(KICK, 10, 80), 30, turn)
     assert len(joined.times) == len(WALK.times) + 80 - 30
     np.testing.assert_array_equal(joined.root_positions[:46], WALK.root_positions[:46])
-    # no step of the root is longer than the longest of both, and what the fade itself brings them together by
+    # no step of the root is longer than the longest of both clips plus the motion of the fade itself
     step = np.linalg.norm(np.diff(joined.root_positions, axis=0), axis=1)
     longest = max(np.linalg.norm(np.diff(c.root_positions, axis=0), axis=1).max() for c in (WALK, KICK))
     assert step.max() < longest + 0.02
@@ -108,7 +108,7 @@ def test_motions_are_plausible_start_free_and_run_into_something(name: str) -> N
         positions, orientations = link_poses_each(scene.avatars, found)
         speed = np.linalg.norm(np.diff(positions, axis=0), axis=-1) / frame
         assert np.isfinite(positions).all() and speed.max() <= 1.02 * FASTEST_LINK
-        # the first frames lead from standing into the motion, from rest and without a jump; an arc is longer than its chord
+        # the first frames go from standing to the motion, from rest and without a jump; an arc is longer than its chord
         assert speed[:20].max() <= 2.0 * LED_IN and speed[0].max() < 0.3
         ways.append(np.ptp(positions[:, 0, :2], axis=0).max())
         bodies = len(scene.bodies)

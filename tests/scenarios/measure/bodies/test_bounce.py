@@ -1,4 +1,4 @@
-"""A ball that is made to bounce in the test, by events and by steps, with the figures put in by hand."""
+"""A ball that bounces in the test, by events and by steps, with figures given by hand."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,8 +18,8 @@ G = 9.81
 
 
 def exact(times: np.ndarray, ratios: list[float]) -> tuple[np.ndarray, np.ndarray, list[tuple[float, float, float]]]:
-    """Gap and speed of a ball dropped from 1 m that leaves its k-th impact with ratios[k] of its speed (0 after the last), and
-    its impacts (time, speed before, speed after)."""
+    """Return gap, speed and impacts (time, speed before, speed after) of a ball dropped from 1 m.
+    It leaves its k-th impact with ratios[k] of its speed (0 after the last)."""
     begun, up, launch, events = 0.0, 0.0, 1.0, []
     gap, speed = np.zeros(len(times)), np.zeros(len(times))
     for ratio in [*ratios, 0.0]:
@@ -36,7 +36,7 @@ def exact(times: np.ndarray, ratios: list[float]) -> tuple[np.ndarray, np.ndarra
 
 
 def by_events(ratios: list[float], frames: int = 90) -> Recording:
-    """What an event-driven engine records: shown frames, and a pair of snapshots at each impact."""
+    """Return the recording of an event-driven engine: shown frames, and a pair of snapshots at each impact."""
     recording = resting(drop_scene(), frames)
     gap, speed, events = exact(recording.times, ratios)
     positions, velocities = recording.positions.copy(), recording.velocities.copy()
@@ -54,14 +54,14 @@ def by_events(ratios: list[float], frames: int = 90) -> Recording:
 
 
 def by_steps(ratio: float, steps: int, frames: int = 90, soft: float = 0.0, early: bool = False) -> Recording:
-    """What a fixed-step engine records: semi-implicit steps; at the slab the speed is turned round at once, or, with `soft` [s],
-    over that time by a constant force. `early`: the contact is solved for the speed before gravity acts in that step."""
+    """Return the recording of a fixed-step engine with semi-implicit steps. At the slab the speed is reversed at once, or over
+    `soft` [s] by a constant force. `early`: the contact is solved for the speed before gravity acts in that step."""
     recording = resting(drop_scene(), frames)
     h, z, v, push = DT / steps, 1.0, 0.0, None
     positions, velocities = recording.positions.copy(), recording.velocities.copy()
     inside_p, inside_v = np.tile(recording.positions[0], (frames * steps, 1, 1)), np.zeros((frames * steps, 2, 3))
     for k in range(frames * steps):
-        # while the slab pushes, it carries the ball's weight as well
+        # while the slab pushes, it also carries the ball's weight
         v -= G * h if push is None else 0.0
         if soft and push is None and z + v * h < 0.0 and v < -0.3:
             push = (1.0 + ratio) * -v / round(soft / h), -ratio * v
@@ -97,7 +97,7 @@ def test_the_apex_is_held_against_the_closed_form_of_every_bounce() -> None:
 
 
 def test_impacts_slower_than_the_rest_speed_say_nothing() -> None:
-    # 4.43, 1.33 and 0.40 m/s count; the fourth comes at 0.12 m/s and may do as it likes
+    # 4.43, 1.33 and 0.40 m/s count; the fourth impact is at 0.12 m/s and is not compared
     found = bounces(by_events([0.3, 0.3, 0.3, 0.9]), drop(), drop_scene())
     assert found["restitution_error_max"] == pytest.approx(0.0, abs=1e-12)
 
@@ -116,7 +116,7 @@ def test_a_hard_engine_of_fixed_steps_is_read_exactly(steps: int, ratio: float) 
 @pytest.mark.parametrize("early", [False, True])
 @pytest.mark.parametrize("asked", [0.3, 0.25])
 def test_no_engine_is_blamed_for_solving_a_contact_before_gravity_acts_or_after(early: bool, asked: float) -> None:
-    """At 60 steps a second a step of gravity is a third of the third approach: with it or without, the ratio is the engine's."""
+    """At 60 steps a second one step of gravity is a third of the third approach speed: with or without it, the ratio is exact."""
     found = bounces(by_steps(0.3, 1, early=early), drop(restitution=asked), drop_scene())["restitution_error_max"]
     assert isinstance(found, float)
     assert found == pytest.approx(0.0, abs=1e-12) if asked == 0.3 else found > 0.02
@@ -130,7 +130,7 @@ def test_a_soft_engine_is_read_from_where_it_first_brakes_to_where_it_lets_go() 
 
 
 def course(place: Callable[[np.ndarray], np.ndarray], speed: Callable[[np.ndarray], np.ndarray]) -> Recording:
-    """The ball at these heights with these velocities, both of time."""
+    """Return a recording of the ball with these heights and velocities as functions of time."""
     recording = resting(drop_scene(), 90)
     recording.positions[:, 1, 2], recording.velocities[:, 1, 2] = place(recording.times), speed(recording.times)
     return recording
@@ -147,7 +147,7 @@ def test_a_ball_that_never_bounced_is_the_engines_doing(recording: Recording) ->
 
 def test_sampled_apexes_are_good_to_the_step() -> None:
     found = bounces(by_steps(0.3, 4), drop(), drop_scene())
-    # this engine turns the ball round where it is when the step would take it through: up to v dt above the slab
+    # this engine reverses the ball in place when the step would pass through the slab: up to v dt above it
     assert isinstance(found["apex_error_max"], float) and found["apex_error_max"] < 4.43 * DT / 4
 
 
@@ -167,7 +167,7 @@ def test_a_slower_ball_elsewhere_is_not_taken_for_this_ones_impact() -> None:
     velocities = recording.inside_velocities.copy()
     velocities[1] = velocities[0]
     found = bounces(replace(recording, inside_velocities=velocities), drop(), drop_scene())
-    # the first pair of snapshots is now another ball's, the later ones are still this one's
+    # the first pair of snapshots now belongs to another ball, the later ones still to this one
     assert found["restitution_error_max"] == pytest.approx(0.0, abs=1e-12)
 
 

@@ -15,7 +15,7 @@ BALL, G, E = 1, 9.81, 0.3
 
 
 def bouncing(late: float, frames: int = 90) -> Recording:
-    """The closed form at every frame, everything `late` [s]. Impacts show as reversals between frames."""
+    """Return the closed form at every frame, all `late` [s]. Impacts appear as reversals between frames."""
     recording = resting(drop_scene(), frames)
     for k, time in enumerate(recording.times):
         height, speed = bounce_state(1.0, E, G, max(0.0, float(time) - late))

@@ -1,4 +1,4 @@
-"""Conservation in groups of bodies: injected losses and gains come out, group by group."""
+"""Conservation in groups of bodies: injected losses and gains are found, group by group."""
 
 
 import numpy as np
@@ -20,7 +20,7 @@ PAIR = ("a", "b")
 
 
 def recording(first: tuple[float, float], second: tuple[float, float]) -> Recording:
-    """Speeds along y of a and b in the first half and in the second of twenty frames."""
+    """Return a recording with these speeds of a and b along y in the first and the second half of twenty frames."""
     found = resting(SCENE, 20)
     found.velocities[:10, :, 1], found.velocities[10:, :, 1] = first, second
     return found

@@ -18,7 +18,7 @@ HEIGHT = float(resting(drop_scene(), 1).positions[0, BALL, 2])
 
 
 def moved(velocity: tuple[float, float, float], frames: int = 30) -> Recording:
-    """The ball in uniform motion."""
+    """Return a recording of the ball in uniform motion."""
     recording = resting(drop_scene(), frames)
     recording.positions[:, BALL] += recording.times[:, None] * np.array(velocity)
     recording.velocities[:, BALL] = velocity
@@ -83,7 +83,7 @@ def test_towers_stand_up_to_the_first_ratio_that_falls() -> None:
     for places, fallen, stands in asked:
         found = towers(still, expecting(30, towers=of(*places)), drop_scene())
         assert found == {"towers_fallen": fallen, "ratio_standing_max": stands}
-    # it is there at first, and leaves
+    # it is inside at first, and leaves
     assert towers(moved((1.0, 0.0, 0.0)), expecting(30, towers=of(0.0)), drop_scene())["towers_fallen"] == 1.0
     nowhere = replace(still, positions=np.full_like(still.positions, np.nan))
     assert towers(nowhere, expecting(30, towers=of(0.0)), drop_scene())["towers_fallen"] == 1.0

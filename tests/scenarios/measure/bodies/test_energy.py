@@ -1,4 +1,4 @@
-"""Energy of simulated bodies: injected gains come out in joules, and what a driven link explains is none."""
+"""Energy of simulated bodies: injected gains are found in joules, and energy from a driven link is not a gain."""
 
 from dataclasses import replace
 
@@ -57,7 +57,7 @@ def test_frames_with_a_driven_link_in_reach_explain_themselves() -> None:
 
 
 def struck_fist(fist_after: float) -> tuple[Recording, Scene]:
-    """A ball of 2 kg at 3 m/s meets a fist of 1 kg at rest and stops; the fist then has a given speed."""
+    """Return a recording of a ball of 2 kg at 3 m/s that meets a fist of 1 kg and stops; the fist then has a given speed."""
     scene = replace(drop_scene(), avatars=(fist_scene().avatars[0],))
     recording = resting(scene, 3)
     velocities, states = np.zeros((2, 3, 3)), np.zeros((2, 3, 4))
@@ -71,7 +71,7 @@ def struck_fist(fist_after: float) -> tuple[Recording, Scene]:
 
 
 def test_an_impact_that_throws_a_link_is_seen_although_the_link_is_near() -> None:
-    """9 J go in; a fist of 1 kg that leaves at 18 m/s has 162 J."""
+    """The ball brings 9 J; a fist of 1 kg that leaves at 18 m/s has 162 J."""
     recording, scene = struck_fist(18.0)
     assert energy(recording, scene)["energy_added_max"] == pytest.approx(153.0)
 

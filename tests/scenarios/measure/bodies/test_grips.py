@@ -18,12 +18,12 @@ from tests.scenarios.examples import DT, expecting, resting
 
 FRAMES, BOX, HAND = 60, 0, 1
 GRIPPED = 10
-"""Frame from which on the hand rises, by 1 cm a frame."""
+"""Frame from which on the hand rises by 1 cm per frame."""
 CARRIED = Carried("box", ("hand",), GRIPPED * DT)
 
 
 def scene() -> Scene:
-    """A box beside a hand."""
+    """Return a box next to a hand."""
     box, palm = (Piece(Box((0.1, 0.1, 0.1))),), (Piece(Box((0.02, 0.1, 0.1))),)
     return Scene("grip", (simulated("box", box, "wood", solid(box, 0.3), (0.06, 0.0, 0.05)),),
                  (rigid_avatar("hand", palm, solid(palm, 0.5)),))
@@ -34,7 +34,7 @@ def height() -> Array:
 
 
 def lifted(share: float = 1.0, sag: float = 0.0) -> Recording:
-    """The user rises; the hand comes along, `sag` lower once it does; the box goes a `share` of the way."""
+    """Return a recording: the user rises, the hand follows `sag` lower, and the box rises by a `share` of the height."""
     recording = resting(scene(), FRAMES)
     recording.raw_positions[:, 0, 2] += height()
     recording.positions[:, HAND, 2] += height() - sag * (height() > 0.0)
@@ -66,7 +66,7 @@ def test_a_body_that_turns_with_its_hand_does_not_slip_and_one_that_stays_behind
     arm = recording.positions[:, BOX] - recording.positions[:, HAND]
     recording.orientations[:, HAND] = turns
     behind = of_grip(recording)["grip_slip_max"]
-    # the chord of 0.06 m seen under the angle that the hand turned while it held
+    # the chord of 0.06 m for the angle that the hand turned during the grip
     assert behind == pytest.approx(2.0 * 0.06 * np.sin(0.5 * (angle[-1] - angle[GRIPPED])))
     recording.positions[:, BOX] = recording.positions[:, HAND] + rotation.rotate(turns, arm)
     assert of_grip(recording)["grip_slip_max"] == pytest.approx(0.0, abs=1e-12)

@@ -1,4 +1,4 @@
-"""Spins, falling rods, tops: flips between frames, one by one, angles until a rod is down, how fast an axis goes round."""
+"""Spins, falling rods, tops: flips between frames, one by one, angles until a rod is down, rate of precession of an axis."""
 
 from math import cos, sin
 
@@ -16,7 +16,7 @@ BALL, FRAMES = 1, 120
 
 
 def swinging(late: float = 0.0) -> Recording:
-    """Spin about y as a cosine of two radians a second, its zeros at pi/4, 3 pi/4, ..."""
+    """Return a spin about y as a cosine of two radians per second, with zeros at pi/4, 3 pi/4, ..."""
     recording = resting(drop_scene(), FRAMES)
     recording.angular_velocities[:, BALL, 1] = np.cos(2.0 * (recording.times - late))
     return recording
@@ -40,7 +40,7 @@ def test_a_flip_too_few_is_the_engines_fault() -> None:
 
 
 def leaning(rate: float) -> Recording:
-    """Leans at `rate` [rad/s] from 0.1 rad and says that its spin is 0.01 rad/s more."""
+    """Return a rod that tilts at `rate` [rad/s] from 0.1 rad with a reported spin 0.01 rad/s larger."""
     recording = resting(drop_scene(), FRAMES)
     for k, time in enumerate(recording.times):
         half = 0.5 * (0.1 + rate * time)
@@ -57,7 +57,7 @@ def test_a_rod_is_judged_by_its_angle_until_it_is_down() -> None:
 
 
 def precessing(rate: float, spin: float, lean: float = 0.2) -> Recording:
-    """Turns about its own axis at `spin`, which leans and goes round at `rate`, both [rad/s]."""
+    """Return a top with `spin` about its tilted axis, which precesses at `rate`, both [rad/s]."""
     recording = resting(drop_scene(), FRAMES)
     upright, across = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
     for k, time in enumerate(recording.times):

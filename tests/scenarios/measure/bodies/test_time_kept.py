@@ -1,4 +1,4 @@
-"""Time kept: 0 for closed forms with impacts inside frames, the injected share where time stands still or runs ahead."""
+"""Time kept: 0 for closed forms with impacts inside frames, the injected share where time stops or runs fast."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -17,7 +17,7 @@ FRAMES = 60
 
 
 def moved(place: Callable[[float], object], velocity: Callable[[float], object]) -> Recording:
-    """The ball where a closed form has it."""
+    """Return a recording of the ball along a closed form."""
     recording = resting(drop_scene(), FRAMES)
     recording.positions[:, BALL] = [place(float(t)) for t in recording.times]
     recording.velocities[:, BALL] = [velocity(float(t)) for t in recording.times]
@@ -34,7 +34,7 @@ def uniform(speed: float) -> Recording:
 
 
 def test_an_injected_share_of_the_way_comes_out() -> None:
-    """Of time_kept_error, and of stalled_bodies below a fifth."""
+    """The share is found by time_kept_error, and by stalled_bodies below a fifth."""
     recording = uniform(2.0)
     assert figures(recording) == pytest.approx((0.0, 0.0), abs=1e-12)
     for share, stalled in ((0.7, 0.0), (0.21, 0.0), (0.19, 100.0), (0.0, 100.0), (-0.5, 100.0)):
@@ -72,18 +72,18 @@ def test_a_ball_that_bounces_within_frames_keeps_its_time(restitution: float) ->
 
 
 def test_a_frozen_ball_cannot_hide_behind_an_impact_that_turns_one_part_of_its_velocity() -> None:
-    """Its velocity along the floor says where it goes, whatever the floor did to the other part."""
+    """The velocity along the floor predicts the motion, for any effect of the floor on the normal part."""
     signs = np.where(np.arange(FRAMES + 1) % 2, 1.0, -1.0)
     recording = resting(drop_scene(), FRAMES)
     recording.velocities[:, BALL] = np.stack([np.full(FRAMES + 1, 0.9), np.zeros(FRAMES + 1), signs], axis=1)
     assert figures(recording) == pytest.approx((1.0, 100.0))
-    # turned back as a whole it may have gone nowhere, and proves neither
+    # if the whole velocity reverses, the ball may not move at all: this proves neither
     recording.velocities[:, BALL, 0] = 0.0
     assert figures(recording) == (0.0, 0.0)
 
 
 def test_a_centre_of_mass_that_rolls_keeps_its_time_though_the_origin_of_its_body_does_not() -> None:
-    """The origin lies beside the centre of mass, as that of a hull may."""
+    """The origin differs from the centre of mass, as it may for a hull."""
     scene = drop_scene()
     ball = scene.bodies[BALL]
     assert ball.mass is not None

@@ -1,4 +1,4 @@
-"""Waves through dominoes: an injected speed comes out, also of a wave that stops, and what stands is counted."""
+"""Waves through dominoes: an injected speed is found, also of a wave that stops, and upright dominoes are counted."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ ROW, PITCH, FRAMES = 20, 0.02, 240
 NAMES = tuple(f"domino_{k}" for k in range(ROW))
 WAVE = Wave(NAMES, PITCH, 0.9, 5, 17)
 FALL = 8.0
-"""How fast each of them turns over once it is struck [rad/s]."""
+"""Angular velocity of each domino after it is struck [rad/s]."""
 
 
 def row() -> Scene:
@@ -29,7 +29,7 @@ def row() -> Scene:
 
 
 def running(speed: float, until: int = ROW) -> Recording:
-    """Each falls, and passes TOPPLED as the front comes by; those from place `until` on are never reached."""
+    """Return a recording in which each domino passes TOPPLED when the front arrives; those from `until` on are never reached."""
     recording = resting(row(), FRAMES)
     for k in range(until):
         begins = 0.1 + PITCH * k / speed

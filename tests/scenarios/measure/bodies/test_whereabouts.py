@@ -1,4 +1,4 @@
-"""Where bodies end up: outside their region, short of a stated way, fallen out of a hand, moved at a start that overlaps."""
+"""Final positions: outside a region, short of a stated distance, fallen out of a hand, moved by a start that overlaps."""
 
 from dataclasses import replace
 
@@ -13,7 +13,7 @@ NAN = np.full(3, np.nan)
 
 
 def of(measure: object, by: np.ndarray, **expects: object) -> float:
-    """The figure of a ball that has gone `by` from its start in the last frames."""
+    """Return the figure of a ball displaced `by` from its start in the last frames."""
     recording = resting(drop_scene(), 5)
     recording.positions[3:, drop_scene().names.index("ball")] += by
     region = Region(("ball", "slab"), (-1.0, -1.0, -1.0), (0.2, 1.0, 2.0), "because")

@@ -1,4 +1,4 @@
-"""Jumps of root, links and joints: only what goes beyond the change of the target counts."""
+"""Jumps of root, links and joints: only the part beyond the change of the target counts."""
 
 
 import numpy as np
@@ -17,7 +17,7 @@ def test_a_jump_of_the_root_counts_beyond_the_users_own_way() -> None:
 
 
 def test_a_jump_of_a_link_counts_beyond_its_own_targets_way() -> None:
-    """The first link's target goes 0.2 m in the frame in which the second link jumps by 0.15 m, which excuses only the first."""
+    """The first link's target moves 0.2 m in the frame in which the second link jumps by 0.15 m; this excuses only the first."""
     recording = resting(arm_scene(), 6)
     recording.raw_positions[3:, 0, 0] += 0.2
     recording.positions[3:, recording.links.start + 1, 0] += 0.15

@@ -16,7 +16,7 @@ SCENE = arm_scene()
 
 
 def posed(arm: float = 0.0, swing: float = 0.0, twist: float = 0.0) -> Recording:
-    """Three frames; in the middle one the arm, the hand's swing about z and its twist about x are as given [deg]."""
+    """Return three frames; in the middle one the arm, the hand's swing about z and its twist about x are as given [deg]."""
     at_rest = rest(SCENE.avatars)
     about_x = rotation.from_axis_angle([1.0, 0.0, 0.0], np.radians(twist))
     hand = rotation.multiply(rotation.from_axis_angle([0.0, 0.0, 1.0], np.radians(swing)), about_x)

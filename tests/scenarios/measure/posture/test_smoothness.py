@@ -1,4 +1,4 @@
-"""Shaking, jerk and silence: known answers, a twin in plain loops, and what may not change a figure."""
+"""Shaking, jerk and silence: known results, a reference version in plain loops, and changes that must not affect a figure."""
 
 import math
 from dataclasses import replace
@@ -20,20 +20,20 @@ SEEDS = st.integers(0, 2**32 - 1)
 
 
 def moved(shown: np.ndarray, target: np.ndarray, dt: float = DT) -> Recording:
-    """The arm's three links at `shown` (F+1, 3, 3), the tracker's at `target`."""
+    """Return a recording with the arm's three links at `shown` (F+1, 3, 3) and the tracker's at `target`."""
     plain = resting(arm_scene(), len(shown) - 1)
     return replace(plain, positions=shown, raw_positions=target, meta={**plain.meta, "dt": dt})
 
 
 def walk(seed: int, frames: int, size: float = 4e-3) -> np.ndarray:
-    """Link origins (F+1, 3, 3) that go to and fro about as often as on, by a few millimetres."""
+    """Return link origins (F+1, 3, 3) that reverse about as often as they continue, by a few millimetres."""
     steps = size * np.random.default_rng(seed).normal(size=(frames + 1, 3, 3))
     steps[:, :, 0] += 0.5 * size
     return np.cumsum(steps, axis=0)
 
 
 def case(seed: int, frames: int = 40) -> tuple[Recording, np.ndarray, np.ndarray]:
-    """A recording with statuses in some frames, which of its states are free, and which are in contact."""
+    """Return a recording with statuses in some frames, the mask of its free states, and the mask of states in contact."""
     draw = np.random.default_rng(seed)
     shown, target = walk(seed, frames), walk(seed + 1, frames, 2e-3)
     shown[draw.integers(5, frames) :] += 0.2
@@ -42,7 +42,7 @@ def case(seed: int, frames: int = 40) -> tuple[Recording, np.ndarray, np.ndarray
 
 
 def by_loops(recording: Recording, free: np.ndarray, contact: np.ndarray) -> dict[str, float]:
-    """The definitions as they read, one number at a time."""
+    """Return the figures by their definitions, one number at a time."""
     p, q, dt = recording.positions[:, recording.links].tolist(), recording.raw_positions.tolist(), recording.dt
     frames, links = recording.frames, len(q[0])
 
@@ -118,14 +118,14 @@ def test_figures_are_those_of_plain_loops(seed: int) -> None:
 @pytest.mark.parametrize("dt", [DT, DT / 1.5])
 @pytest.mark.parametrize("every", [1, 2, 4])
 def test_jitter_of_a_sine_sampled_at_its_turns_is_its_swing(every: int, dt: float) -> None:
-    """A link swings to both sides by a = 0.4 mm, sampled at its turns: every frame takes 2 a back. Where it does so in one of
-    `every` frames and rests in the others, the mean of the squares is that part; a swing of 1 m counts as SHAKES does."""
+    """A link swings to both sides by a = 0.4 mm, sampled at its extremes: every frame reverts 2 a. If it does so in one of
+    `every` frames and rests in the others, the mean of the squares has that share; a swing of 1 m counts as SHAKES does."""
     frames = 400
     size, contact, target = 4e-4, np.ones(frames + 1, dtype=bool), np.zeros((frames + 1, 3, 3))
     contact[0] = False
     swings = np.zeros((frames + 1, 3, 3))
     swings[:, 1, 0] = size * np.cos(np.pi * np.arange(frames + 1))
-    # one spike of 2 a takes it back once: in one of `every` frames
+    # one spike of 2 a reverts it once: in one of `every` frames
     spikes = np.zeros((frames + 1, 3, 3))
     spikes[1 :: 2 * every, 2, 1] = 2.0 * size
     share = (frames // (2 * every)) / frames if every > 1 else (frames - 1) / frames
@@ -137,7 +137,7 @@ def test_jitter_of_a_sine_sampled_at_its_turns_is_its_swing(every: int, dt: floa
 
 
 def test_acceleration_beyond_the_users_is_that_of_a_limb_that_runs_home() -> None:
-    """A link 2 m/s^2 away from a resting user, and one that does what its user does."""
+    """A link that accelerates at 2 m/s^2 from a resting user, and one that follows its user exactly."""
     times = DT * np.arange(30)[:, None, None]
     shown, rests = times**2 * np.array([1.0, 0.0, 0.0]) + 0.01, np.zeros((30, 1, 3))
     assert own_acceleration(shown, rests, DT) == pytest.approx(2.0, rel=1e-9)
@@ -147,7 +147,7 @@ def test_acceleration_beyond_the_users_is_that_of_a_limb_that_runs_home() -> Non
 
 
 def test_creep_is_the_speed_of_a_link_whose_user_rests() -> None:
-    """One of two links goes at 0.2 m/s; its user rests, goes along at 0.05 m/s, or at 0.3 m/s."""
+    """One of two links moves at 0.2 m/s; its user rests, or moves at 0.05 m/s or at 0.3 m/s."""
     shown, target = np.zeros((40, 2, 3)), np.zeros((40, 2, 3))
     shown[:, 0, 0] = 0.01 + 0.2 * DT * np.arange(40)
     assert creep(shown, target, DT) == pytest.approx(0.2, rel=1e-9)
@@ -169,7 +169,7 @@ def test_smoothing_the_motion_wins_nothing() -> None:
 @settings(max_examples=30, deadline=None)
 @given(SEEDS, st.lists(st.floats(-1.0, 1.0), min_size=7, max_size=7), st.floats(0.25, 4.0))
 def test_places_turns_and_frame_times_do_not_matter(seed: int, there: list[float], factor: float) -> None:
-    """The same run elsewhere, turned, or at another frame time with as fast a motion (lengths then scale with the frame time)."""
+    """A run at another place, rotated, or with another frame time at equal speeds (lengths then scale with the frame time)."""
     recording, free, contact = case(seed)
     wanted = smoothness(recording, arm_scene(), free, contact)
     turn = rotation.from_rotation_vector(np.array(there[:3]))
@@ -206,7 +206,7 @@ def test_without_contact_the_figure_is_missing_and_without_avatar_there_is_none(
 
 
 def test_contact_is_where_the_target_is_not_free_or_a_shown_link_is_near() -> None:
-    """The fist's user goes on into the wall from frame 20 on; what is shown stops short of it, or is taken away to the side."""
+    """The fist's user moves into the wall from frame 20 on; the shown fist stops before it, or is moved to the side."""
     recording, known, link = walked(30), Known(fist(), fist_scene()), 1
     assert known.contact(recording).tolist() == [k >= 20 for k in range(31)]
     for gap, near in ((0.99 * NEAR, True), (1.01 * NEAR, False), (math.nan, True)):

@@ -1,4 +1,4 @@
-"""Freezing: an avatar that stands still counts only while its user moves."""
+"""Freezing: an avatar without motion counts only while its user moves."""
 
 from dataclasses import replace
 

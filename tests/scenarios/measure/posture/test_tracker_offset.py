@@ -1,4 +1,4 @@
-"""Tracking error: injected offsets and turns come out, and frames with a free target stand apart."""
+"""Tracking error: injected offsets and turns are found, and frames with a free target are reported separately."""
 
 from dataclasses import replace
 
@@ -54,7 +54,7 @@ def test_free_means_no_overlap_right_side_and_within_limits() -> None:
         return np.maximum(0.0, positions[:, 1, 0] - 0.4)
 
     free = free_frames(recording, fist(), scene, deep)
-    # 20 mm a frame: touches the wall at 0.4 m in frame 20; beyond 0.5 m it is on the wrong side and the judge need not be asked
+    # 20 mm per frame: touches the wall at 0.4 m in frame 20; beyond 0.5 m it is on the wrong side and the judge is not needed
     assert free.tolist() == [True] * 21 + [False] * 10
     assert max(asked) == pytest.approx(0.5)
 

@@ -1,4 +1,4 @@
-"""The scenes of the map: free at the start, bodies meet the floor alone, and what is asked is what is written."""
+"""The scenes of the map: free at the start, bodies meet only the floor, and the requested coefficients are those written."""
 
 import math
 from pathlib import Path
@@ -21,7 +21,7 @@ def test_it_starts_free_at_the_height_that_is_stated(law: str, shape: str) -> No
     places, turns = first_poses(scene)
     judge, touch = Judge(scene), worlds.solid_of(law, shape)[2]
     assert judge.overlaps(places, turns).deepest == 0.0
-    # sunk to where they touch, and a little more, all overlap the floor by that little
+    # lowered to contact and a little more, all overlap the floor by that little
     sunk = places.copy()
     sunk[1:, 2] = touch - 1e-4
     assert judge.overlaps(sunk, turns).deepest == pytest.approx(1e-4, rel=1e-3)
@@ -59,7 +59,7 @@ def test_ours_gives_the_coefficient_that_is_stated_whatever_the_shape(law: str, 
 
 
 def test_the_known_faults_of_others_show() -> None:
-    # no bounce at all, and a pyramid of friction that is 29 % weak across
+    # no bounce at all, and a friction pyramid that is 29 % too weak across
     assert all(max(each) < 0.06 for each in values("restitution", "sphere", 240, "mujoco", "default").values())
     last = values("friction", "sphere", 240, "mujoco", "default")["1"]
     assert min(last) == pytest.approx(0.5**0.5, abs=1e-3) and max(last) == pytest.approx(1.0, abs=1e-3)

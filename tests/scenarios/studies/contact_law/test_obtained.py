@@ -1,4 +1,4 @@
-"""The method against synthetic flights whose restitution and friction are known, by closed form and by steps."""
+"""The method against synthetic flights of known restitution and friction, by closed form and by steps."""
 
 import math
 
@@ -13,7 +13,7 @@ G = 9.81
 
 
 def flight(e: float, dt: float, speed: float = 3.96, height: float = 0.2, seconds: float = 0.3) -> tuple[np.ndarray, np.ndarray]:
-    """Exact heights and speeds of a ball that is thrown down and bounces once with restitution `e`."""
+    """Return exact heights and speeds of a ball that is thrown down and bounces once with restitution `e`."""
     hit = (-speed + math.sqrt(speed**2 + 2.0 * G * height)) / G
     times = np.arange(round(seconds / dt) + 1) * dt
     arrived = speed + G * hit
@@ -31,7 +31,7 @@ def test_an_exact_bounce_gives_its_restitution(dt: float, e: float, height: floa
 
 
 def stepped(e: float, dt: float) -> tuple[np.ndarray, np.ndarray]:
-    """A ball of semi-implicit steps that is turned round in the step after it was found inside: what a fixed step does."""
+    """Return a ball of semi-implicit steps that is reversed in the step after its overlap is found, as with fixed steps."""
     z, v = [0.2], [-3.96]
     for _ in range(round(0.3 / dt)):
         speed = -e * v[-1] if z[-1] < 0.0 and v[-1] < 0.0 else v[-1] - G * dt
@@ -60,7 +60,7 @@ def test_who_never_arrives_or_goes_through_has_no_figure() -> None:
 
 
 def slide(mu: float, dt: float, angle: float = 0.0, drag: float = 0.0, steps: int = 1) -> tuple[np.ndarray, np.ndarray]:
-    """Velocities and heights of a body that arrives at 2 m/s and 25 m/s along, its impulse spread over some steps."""
+    """Return velocities and heights of a body that arrives at 2 m/s and 25 m/s along, with its impulse spread over some steps."""
     velocity = [np.array([25.0 * math.cos(angle), 25.0 * math.sin(angle), -2.0])]
     height, left = [0.1], steps
     for _ in range(round(0.2 / dt)):

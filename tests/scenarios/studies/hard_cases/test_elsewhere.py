@@ -1,4 +1,4 @@
-"""A world elsewhere is the same world: what is brought back is what was sent there, and every verdict on it is the same."""
+"""A transformed world is equivalent: the inverse transform restores it, and every verdict on it is equal."""
 
 from dataclasses import replace
 
@@ -30,7 +30,7 @@ def test_first_poses_are_those_of_here_sent_there(name: str, there: Elsewhere) -
 
 @pytest.mark.parametrize("there", PLACES)
 def test_depths_grow_with_the_world_and_with_nothing_else(there: Elsewhere) -> None:
-    """Two coincident boxes, balls, hulls, ellipsoids, capsules: as deep there as here, times the scale."""
+    """Two coincident boxes, balls, hulls, ellipsoids, capsules: the depth is equal, times the scale."""
     scene = catalog.get("coincident_start").build()
     here = {pair[:2]: pair[2] for pair in Judge(scene).overlaps(*first_poses(scene)).pairs}
     moved = there.scene(scene)

@@ -1,4 +1,4 @@
-"""Trials of hard cases: engines that are bad on purpose, and one that is not."""
+"""Trials of hard cases: deliberately bad engines, and a good one."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -42,7 +42,7 @@ def test_a_trial_that_takes_too_long_is_not_measured(site: Path, monkeypatch: py
 
 
 def test_depth_and_end_are_those_of_a_world_of_size_1(site: Path) -> None:
-    """What stops 2 mm inside a world of size 10 is 0.2 mm inside as it is told, and ends ten times nearer."""
+    """An engine that stops 2 mm inside a world of size 10 is reported as 0.2 mm inside, and ends ten times nearer."""
     here, there = tried(task("two_millimetres")), tried(task("two_millimetres", change=Variation(scale=10.0, far=100.0)))
     assert here["values"]["residual_overlap_max"] == pytest.approx(2e-3, abs=1e-6)
     assert there["values"]["residual_overlap_max"] == pytest.approx(2e-4, abs=1e-6)
@@ -54,13 +54,13 @@ def test_a_scene_that_cannot_be_built_is_no_fault_of_an_engine() -> None:
 
 
 def test_a_solver_step_is_changed_from_the_preset_s_and_an_engine_without_one_is_not_asked() -> None:
-    """MuJoCo's documented step of 2 ms, twice as long: a box that falls ends elsewhere, by far less than it fell."""
+    """With twice MuJoCo's documented step of 2 ms a falling box ends at another place, by far less than its fall."""
     assert tried(task("avatarsim", change=Variation(step=2.0)))["state"] == "cannot-say"
     assert 1e-9 < moved(*(tried(task("mujoco", "tumbling_box", change)) for change in (None, Variation(step=2.0)))) < 0.05
 
 
 def test_a_margin_that_a_preset_chose_grows_with_the_world() -> None:
-    """Ten boxes that MuJoCo's tuned preset holds 0.4 mm apart: at size 0.15 they end where they end at size 1."""
+    """Ten boxes that MuJoCo's tuned preset keeps 0.4 mm apart: at size 0.15 they end at the positions of size 1."""
     changes = (None, Variation(scale=0.15))
     assert moved(*(tried(task("mujoco", change=change, preset="tuned")) for change in changes)) < 2e-4
 
@@ -87,7 +87,7 @@ def test_rows_have_figures_states_and_the_distance_from_the_unchanged_end(
     rows, _ = STUDY.carry_out(request(tmp_path, "stack_ten", frozen=("default",), dies=("default",)))
     found = {(row.run, row.change, row.metric): row for row in rows}
     assert found["frozen/default", "", "end_distance"].value == 0.0
-    # each body starts up to 1e-5 m off along every axis, and a frozen engine leaves it there
+    # each body starts up to 1e-5 m off along every axis, and a frozen engine does not move it
     assert 1e-6 < (found["frozen/default", "start 1e-05 m", "end_distance"].value or 0.0) < 3e-5
     assert found["frozen/default", "solver step 2 times", "run"].status == "cannot-say"
     assert {row.status for row in rows if row.engine == "dies" and not row.change} == {"crashed"}

@@ -1,4 +1,4 @@
-"""Changes of a case: free of overlap at the start, the same bits where nothing changes, the same way of the user at any rate."""
+"""Changes of a case: free of overlap at the start, equal bits without a change, the same path of the user at any rate."""
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ def test_a_changed_start_is_free_and_changed_by_no_more_than_that(name: str, sta
     scenario = catalog.get(name)
     plain, scene = scenario.build(), varied(scenario, RENDERED, Variation(start=start, seed=3)).here
     before, after = (np.array([body.position for body in s.bodies]).reshape(-1, 3) for s in (plain, scene))
-    # a sum of two places rounds
+    # the sum of two positions is rounded
     assert np.abs(after - before).max(initial=0.0) <= start + 1e-12
     moving = [k for k, role in enumerate(plain.roles[: len(plain.bodies)]) if role.name == "SIMULATED"]
     assert all((after[k] != before[k]).any() for k in moving)

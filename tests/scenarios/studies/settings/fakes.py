@@ -1,4 +1,4 @@
-"""Stand-ins of both passes of a study of settings, which count what they are asked for."""
+"""Fake versions of both passes of a study of settings, which record their jobs."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,7 @@ VALUES = {"stop_distance_error_max": 1.0, "residual_overlap_max": 0.0, "course_e
 
 
 class Fakes:
-    """Each timed cell takes `each` seconds of `time`; the preset `dead` has no times; after `stop_after` jobs a user stops."""
+    """Fake passes: a timed cell takes `each` s of `time`; preset `dead` has no times; a user stops after `stop_after` jobs."""
 
     def __init__(self, patch: pytest.MonkeyPatch) -> None:
         self.asked: list[str] = []
@@ -42,5 +42,5 @@ class Fakes:
 
 @pytest.fixture
 def fakes(monkeypatch: pytest.MonkeyPatch) -> Fakes:
-    """Return the stand-ins in the places of both passes."""
+    """Return the fakes, installed in place of both passes."""
     return Fakes(monkeypatch)

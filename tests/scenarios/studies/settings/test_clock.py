@@ -1,4 +1,4 @@
-"""Times of rendered frames from those of their parts, and groups in which all engines take part."""
+"""Times of rendered frames from those of their parts, and groups with all engines."""
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ def test_an_entry_has_percentiles_or_a_reason() -> None:
     job = Job("stop_distance", "mujoco", "tuned")
     timed = Timed(np.array([[4000, 2000, 8000, 1000], [3000, 5000, 6000, 1000]], dtype=np.int64))
     found = time_entry(Clocked(job, timed, "2 repeats"), 2)
-    # least of the repeats: 3, 2, 6, 1 us; rendered: 5 and 7 us
+    # minimum of the repeats: 3, 2, 6, 1 us; rendered: 5 and 7 us
     assert found["p50"] == pytest.approx(6.0) and (found["repeats"], found["frames"]) == (2, 2)
     none = time_entry(Clocked(job, None, "it died"), 1)
     assert none["note"] == "it died" and none["p50"] is None and (none["repeats"], none["frames"]) == (0, 0)
@@ -33,7 +33,7 @@ def test_frames_at_rest_and_in_motion_have_medians_where_both_are_many() -> None
     assert few["moving"] is None and few["rests"] == pytest.approx(100.0 * (still - 1) / (2 * still + 10))
     unknown = time_entry(Clocked(job, timed), 1)
     assert unknown["rests"] is None and unknown["moving"] is None
-    # a rendered frame rests if all of its parts do
+    # a rendered frame is at rest if all its parts are
     halves = time_entry(Clocked(job, Timed(np.full((1, 4), 2000, dtype=np.int64))), 2, [1, 1, 1, 0])
     assert halves["rests"] == 50.0 and halves["p95"] == 4.0
 

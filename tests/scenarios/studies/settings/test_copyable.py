@@ -1,4 +1,4 @@
-"""What can be copied from the page is what was measured: rows are read back to the same options."""
+"""Settings copied from the page are those measured: rows are read back to equal options."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Frames cut in parts: the same motion, the same length, samples between samples."""
+"""Frames divided into parts: equal motion, equal length, samples between samples."""
 
 import numpy as np
 import pytest

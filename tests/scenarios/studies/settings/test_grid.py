@@ -1,4 +1,4 @@
-"""Settings that engines accept, that change something, and that are told apart."""
+"""Settings that engines accept, that change something, and that are distinguished."""
 
 import pytest
 
@@ -12,7 +12,7 @@ from tests.scenarios.studies.settings.grids import GRIDS
 
 GRID = [setting for settings in GRIDS.values() for setting in settings]
 SMALL = ("stop_distance", "bounce_ladder", "driven_10cm_wall", "squeeze")
-"""A scene of each kind."""
+"""Scenes of each kind."""
 
 
 def test_names_are_unique_and_fit_file_names() -> None:
@@ -35,12 +35,12 @@ def test_every_setting_is_accepted_and_none_repeats_its_base(setting: Setting) -
         before = {key: str(value) for key, value in engine.settings_as_run().items()}
         engine.load(scene, Settings(setting.base, setting.options), scenario.dt)
         after = {key: str(value) for key, value in engine.settings_as_run().items()}
-        # a reason changes with a setting that was set by hand, so only values are compared
+        # a reason changes with a setting set by hand, so only values are compared
         changed = [k for k in setting.options if before[k].split(",")[0] != after[k].split(",")[0]]
         differs |= bool(changed)
         tried += 1
     engine.close()
-    # a step may be that of the preset in one kind of scene
+    # a step may equal that of the preset in one kind of scene
     assert tried and (differs or not setting.options or setting.name.startswith("tuned DISCRETE"))
 
 

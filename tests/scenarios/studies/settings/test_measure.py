@@ -1,4 +1,4 @@
-"""What is kept of an outcome."""
+"""Parts of an outcome that are stored."""
 
 from scenarios.job import Job, Outcome
 from scenarios.measure.value import Missing

@@ -1,4 +1,4 @@
-"""Settings in the engines' own words: set in what the preset loaded, they make what the row loads."""
+"""Settings in the engines' own names: applied to the loaded preset, they give the model that the row loads."""
 
 import ast
 from collections.abc import Mapping
@@ -17,26 +17,26 @@ from tests.scenarios.studies.settings.grids import GRIDS
 
 
 def model_of(scene: str, preset: str, options: Mapping[str, object]) -> mujoco.MjModel:
-    """The model that a reader compiles from what a run leaves of a scene."""
+    """Return the model that a reader compiles from a run's file of a scene."""
     scenario, engine = catalog.get(scene), MujocoEngine()
     engine.load(scenario.as_run(False).build(), Settings(preset, options), scenario.dt)
     return mujoco.MjModel.from_xml_string(engine.native()[1])
 
 
 def differs(one: object, other: object) -> list[str]:
-    """Names of numbers and arrays that differ."""
+    """Return the names of numbers and arrays that differ."""
     names = [name for name in dir(one) if not name.startswith("_") and name not in ("opt", "vis", "stat")]
     both = [(name, getattr(one, name), getattr(other, name)) for name in names]
     return [name for name, a, b in both if isinstance(a, int | float | np.ndarray) and not np.array_equal(a, b)]
 
 
 def all_that_differs(one: mujoco.MjModel, other: mujoco.MjModel) -> list[str]:
-    """The same of a model and of its options."""
+    """Return the differences of a model and of its options."""
     return differs(one, other) + differs(one.opt, other.opt)
 
 
 def settable(setting: Setting) -> str:
-    """A setting in the engine's own words, "" unless that is all that it changes in the model of its preset."""
+    """Return a setting in the engine's own names, or "" if it also changes other parts of the model of its preset."""
     one = about(setting.engine)
     return "; ".join(one.in_own_words(setting.options)) if set(setting.options) <= set(one.alone) else ""
 

@@ -1,4 +1,4 @@
-"""Plan of settings: its scenes and order, figures taken from the run, and that it keeps to its budget."""
+"""Plan of settings: its scenes and order, figures taken from the run, and its budget."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -25,7 +25,7 @@ PRESETS = {"mujoco": ("default", "tuned"), "tracker": ("default",)}
 
 
 def outcome(scenario: str, preset: str, seconds: float = 1e-3, **more: object) -> Outcome:
-    """What the accuracy pass of a run says of one preset of MuJoCo."""
+    """Return the result of the accuracy pass of a run for one preset of MuJoCo."""
     job = Job(scenario, "mujoco", preset, base=str(more.pop("base", "")), options={"dt": 0.5} if "row" in preset else {})
     return Outcome(job, "measured", values=VALUES, frame_seconds=seconds, about={"settings": {"dt": [0.01, "a reason"]}})
 
@@ -34,7 +34,7 @@ def request(
     folder: Path, scenes: Sequence[str] = ("stop_distance",), outcomes: Sequence[Outcome] = (),
     clocked: Mapping[str, Clocked] | None = None,
 ) -> Request:
-    """A run of these scenes by MuJoCo and the tracker, measured in this process."""
+    """Return a run of these scenes by MuJoCo and the tracker, measured in this process."""
     return Request(
         folder, {name: catalog.get(name) for name in scenes}, PRESETS, 0, 0, False,
         {outcome.job.stem: outcome for outcome in outcomes}, clocked or {},
@@ -78,10 +78,10 @@ def test_what_does_not_fit_is_left_out_and_a_cheaper_one_after_it_may_fit(tmp_pa
         choice = plan.chosen(cells, ran, budget)
         assert choice.estimated <= budget and len(choice.asked) + len(choice.left) == len(cells)
         assert sum(plan.cost(cell, ran) for cell in choice.asked) == pytest.approx(choice.estimated)
-        # each that was left out would not have fitted when its turn came, so none fits now
+        # each omitted setting would not have fitted in its turn, so none fits now
         assert all(choice.estimated + each > budget for _, each in choice.left)
     assert not plan.chosen(cells, ran, 0.0).asked and not plan.chosen(cells, ran, 1e6).left
-    # room for the first setting that is cheap, and not for a dearer one before it
+    # the budget is enough for the first cheap setting, and not for a more expensive one before it
     costs = [plan.cost(cell, ran) for cell in cells]
     dear = next(k for k, each in enumerate(costs) if each > min(costs[k + 1 :]))
     cheap = next(k for k in range(dear + 1, len(costs)) if costs[k] < costs[dear])
@@ -92,7 +92,7 @@ def test_what_does_not_fit_is_left_out_and_a_cheaper_one_after_it_may_fit(tmp_pa
 def test_what_the_run_measured_is_not_asked_again(tmp_path: Path, fakes: Fakes) -> None:
     frames = catalog.get("stop_distance").as_run(False).frames
     known = [outcome("stop_distance", name) for name in ("default", "tuned")]
-    # a repeat that other engines of the scene had not, and faster: it does not count, as in the run's own table
+    # a faster repeat that other engines of the scene did not have: it does not count, as in the run's own table
     every = np.full((REPEATS + 1, frames), 7000, dtype=np.int64)
     every[-1] = 1000
     whole = Timed(every, shared=Round(REPEATS, 0, frames))
@@ -103,7 +103,7 @@ def test_what_the_run_measured_is_not_asked_again(tmp_path: Path, fakes: Fakes) 
     rows, troubles = ask.Sweep(request(tmp_path, outcomes=known, clocked=timed), now=lambda: 0.0).ask()
     assert troubles == []
     assert not {"stop_distance default", "stop_distance tuned"} & set(fakes.asked) and len(fakes.asked) >= 8
-    # the second preset was timed over other frames than all the others
+    # the second preset was timed over different frames than all the others
     assert "stop_distance default" not in fakes.timed and "stop_distance tuned" in fakes.timed
     found = {row.preset: row.value for row in rows if row.metric == "frame_time_p50" and not row.change}
     assert found == {"default": frame_times(whole)["frame_time_p50"], "tuned": 5.0}
@@ -182,7 +182,7 @@ def test_the_ladder_is_asked_first_and_the_solver_after_it(tmp_path: Path) -> No
     assert coarse == sorted(coarse) and len(coarse) < len(rungs)
     by_engine = {engine: {(cell.scenario, cell.setting.name) for cell in rungs if cell.setting.engine == engine}
                  for engine in ("mujoco", "pybullet")}
-    # a preset that steps so already is the rung itself
+    # a preset that already has this step is the rung itself
     missing = {("driven_10cm_wall", "tuned dt=1/480")}
     assert by_engine["mujoco"] - missing == by_engine["pybullet"] and by_engine["pybullet"]
 

@@ -1,4 +1,4 @@
-"""Rows of a setting: its errors, its times, and the reason where there is none."""
+"""Rows of a setting: its errors, its times, and the reason where one is missing."""
 
 import math
 
