@@ -1,5 +1,5 @@
-"""The engines that are compared, those of them that are installed: PyBullet has no wheel for every Python, PhysX an extra of its
-own."""
+"""Compared engines that are installed.
+PyBullet does not have a wheel for every Python, and PhysX has its own extra."""
 
 from importlib.util import find_spec
 from typing import Any
@@ -25,7 +25,7 @@ if HAS_PYBULLET:
 
 RIVALS: list[Engine] = [MujocoEngine(), *([PybulletEngine()] if HAS_PYBULLET else [])]
 STUDIED = pytest.mark.parametrize("engine", RIVALS, ids=[engine.name for engine in RIVALS])
-"""Engines whose best figures are known from studies of their own (`tests/agreement/reached`)."""
+"""Engines whose best figures are known from separate studies (`tests/agreement/reached`)."""
 RIVALS = [*RIVALS, RapierEngine()]
 if find_spec("sapien") is not None:
     from reference.in_physx.engine import PhysxEngine

@@ -1,4 +1,4 @@
-"""Small scenes on which the engines must agree: every kind of joint, shape and mass, in few bodies."""
+"""Small scenes on which the engines must agree: every kind of joint, shape and mass with few bodies."""
 
 import numpy as np
 
@@ -12,35 +12,35 @@ from avatarsim.spatial import rotation
 from tests.agreement.runs import FRAME
 
 LIMITS = SwingTwist((1.0, 0.0, 0.0), (1.0, 0.0, 0.0), 0.8, (-0.5, 0.5))
-"""Of a limb along x whose frame is its parent's at rest."""
+"""Limits of a limb along x whose frame is its parent's at rest."""
 
 
 def turned(seed: int) -> tuple[float, float, float, float]:
-    """A rotation drawn from `seed`."""
+    """Return a rotation drawn from `seed`."""
     w, x, y, z = (float(v) for v in rotation.normalised(np.random.default_rng(seed).normal(size=4)))
     return w, x, y, z
 
 
 def skewed(mass: float, seed: int) -> Mass:
-    """A mass whose centre and principal axes are nowhere near the frame's."""
+    """Return a mass whose centre and principal axes are far from the frame's."""
     axes = rotation.to_matrix(np.array(turned(seed)))
     inertia = axes @ np.diag([0.02, 0.03, 0.04]) @ axes.T
     return Mass(mass, (0.02, -0.03, 0.04), 0.5 * (inertia + inertia.T))
 
 
 def limb(name: str, parent: str, joint: Hinges | Ball | Rigid, seed: int) -> Link:
-    """A capsule along x, its joint 0.3 m out, its frame turned against the parent's."""
+    """Return a capsule along x, its joint at 0.3 m, its frame rotated relative to the parent's."""
     piece = Piece(Capsule(0.03, 0.2), (0.15, 0.0, 0.0), rotation_of_z_to_x())
     return Link(name, parent, joint, (piece,), skewed(1.0, seed), anchor=(0.3, 0.01, 0.02), orientation=turned(seed))
 
 
 def rotation_of_z_to_x() -> tuple[float, float, float, float]:
-    """A quarter turn about y."""
+    """Quarter turn about y."""
     return float(np.sqrt(0.5)), 0.0, float(np.sqrt(0.5)), 0.0
 
 
 def every_joint() -> Avatar:
-    """A free root with a branch of hinges (one, three) and a branch of a ball and a rigid link; not in tree order."""
+    """Return a free root with a branch of hinges (one, three) and a branch of a ball and a rigid link; not in tree order."""
     three = Hinges((Hinge((1.0, 0.0, 0.0)), Hinge((0.0, 0.6, 0.8)), Hinge((0.0, 0.0, 1.0), -1.0, 1.0)))
     root = Link("root", None, Free(), (Piece(Box((0.1, 0.2, 0.3)), (0.01, 0.0, 0.0), turned(1)),), skewed(2.0, 2))
     return Avatar("all", (
@@ -50,14 +50,14 @@ def every_joint() -> Avatar:
 
 
 def anchored(root: Hinges | Ball | Rigid) -> Avatar:
-    """Two links, the first tied to the world by `root`."""
+    """Return two links, the first joined to the world by `root`."""
     piece = Piece(Capsule(0.03, 0.2), (0.15, 0.0, 0.0), rotation_of_z_to_x())
     first = Link("first", None, root, (piece,), skewed(1.0, 7), anchor=(0.1, 0.2, 1.0), orientation=turned(8))
     return Avatar("tied", (first, limb("second", "first", Hinges((Hinge((0.0, 0.0, 1.0)),)), 9)))
 
 
 def posture(avatar: Avatar, seed: int, time: float = 0.0) -> TrackerSample:
-    """A posture within the limits of `every_joint`, drawn from `seed`."""
+    """Return a posture within the limits of `every_joint`, drawn from `seed`."""
     draw = np.random.default_rng(seed)
     n = len(avatar.links)
     turns = rotation.from_rotation_vector(draw.uniform(-0.2, 0.2, (n, 3)))
@@ -65,7 +65,7 @@ def posture(avatar: Avatar, seed: int, time: float = 0.0) -> TrackerSample:
 
 
 def bodies_of_all_shapes() -> Scene:
-    """Simulated bodies in empty space, far apart: skewed inertias, several pieces, offset hulls; no gravity."""
+    """Return simulated bodies in empty space, far apart: skewed inertias, several pieces, offset hulls; no gravity."""
     hull = ConvexHull(np.random.default_rng(3).normal(size=(20, 3)) * 0.1 + np.array([0.05, 0.0, 0.02]))
     pieces = (
         (Piece(Sphere(0.1)),), (Piece(Box((0.1, 0.2, 0.3))),), (Piece(Capsule(0.05, 0.2), (0.1, 0.0, 0.0), turned(11)),),
@@ -80,7 +80,7 @@ def bodies_of_all_shapes() -> Scene:
 
 
 def ball_on_slab(gravity: float = 9.81, height: float = 1.0, material: str = "wood") -> Scene:
-    """One ball above one slab, both wood."""
+    """Return one ball above one slab, both of wood."""
     ball = (Piece(Sphere(0.05)),)
     return Scene("drop", (
         fixed("slab", (Piece(Box((2.0, 2.0, 0.1))),), "wood", (0.0, 0.0, -0.05)),
@@ -89,7 +89,7 @@ def ball_on_slab(gravity: float = 9.81, height: float = 1.0, material: str = "wo
 
 
 def hull_on_slab() -> Scene:
-    """A cube given by its eight corners, 1 mm above a slab given by its corners."""
+    """Return a cube given by its eight corners, 1 mm above a slab given by its corners."""
     corners = np.array(np.meshgrid([-1.0, 1.0], [-1.0, 1.0], [-1.0, 1.0])).reshape(3, -1).T
     cube, slab = (Piece(ConvexHull(0.05 * corners)),), (Piece(ConvexHull(corners * np.array([1.0, 1.0, 0.05]))),)
     return Scene("cube", (
@@ -99,7 +99,7 @@ def hull_on_slab() -> Scene:
 
 
 def hand() -> Avatar:
-    """A rigid hand of fifteen ellipsoids of about a hundred triangles each: a palm, five fingers."""
+    """Return a rigid hand of fifteen ellipsoids of about a hundred triangles each: a palm, five fingers."""
     pieces = [Piece(ellipsoid_hull((0.045, 0.04, 0.015)))]
     for finger in range(5):
         for length, x in ((0.025, 0.06), (0.018, 0.10), (0.014, 0.13)):
@@ -109,13 +109,13 @@ def hand() -> Avatar:
 
 
 def hand_over_table() -> Scene:
-    """The hand 5 cm above a table top at z = 0."""
+    """Return the hand 5 cm above a table top at z = 0."""
     table = fixed("table", (Piece(Box((1.5, 1.0, 0.05))),), "wood", (0.0, 0.0, -0.025))
     return Scene("press", (table,), (hand(),), start=pressed(0))
 
 
 def pressed(frame: int) -> TrackerSample:
-    """The hand lowered in 0.3 s to 2 cm below the table top, then moved along it."""
+    """Return the hand's sample: lowered in 0.3 s to 2 cm below the table top, then moved along it."""
     t = frame * FRAME
     down = min(1.0, max(0.0, (t - 0.1) / 0.3))
     along = 0.2 * min(1.0, max(0.0, (t - 0.5) / 0.5))
@@ -124,7 +124,7 @@ def pressed(frame: int) -> TrackerSample:
 
 
 def arm(wall: bool = True) -> Scene:
-    """Three capsules in a row by hinges about z, reaching 10 cm past a wall when stretched along x."""
+    """Return three capsules in a row with hinges about z, which reach 10 cm past a wall when stretched along x."""
     link = Piece(Capsule(0.03, 0.2), (0.15, 0.0, 0.0), rotation_of_z_to_x())
     mass = solid((link,), 1.0)
     hinge = Hinges((Hinge((0.0, 0.0, 1.0), -2.4, 2.4),))
@@ -140,14 +140,14 @@ def arm(wall: bool = True) -> Scene:
 
 
 def bent(frame: int) -> TrackerSample:
-    """The arm's shoulder unfolds in a second from alongside the wall to straight at it."""
+    """Return the arm's sample: the shoulder turns in a second from parallel to the wall to straight at it."""
     t = frame * FRAME
     first = 1.5 * (1.0 - min(1.0, t / 1.0))
     return TrackerSample(t, np.zeros((3, 3)), np.tile(rotation.IDENTITY, (3, 1)), np.array([first, 0.1, 0.1]))
 
 
 def chain(limits: SwingTwist | None = None) -> Avatar:
-    """Three capsules in a row by ball joints, tied to the world."""
+    """Return three capsules in a row with ball joints, anchored to the world."""
     link = Piece(Capsule(0.03, 0.2), (0.15, 0.0, 0.0), rotation_of_z_to_x())
     mass = solid((link,), 1.0)
     return Avatar("chain", (
@@ -158,7 +158,7 @@ def chain(limits: SwingTwist | None = None) -> Avatar:
 
 
 def swung(frame: int, reach: float = 0.4) -> TrackerSample:
-    """All three balls swing about y and z, `reach` [rad] each way."""
+    """Return the sample with all three balls swung about y and z, by up to `reach` [rad] to each side."""
     t = frame * FRAME
     turn = rotation.from_rotation_vector(np.array([0.0, reach * np.sin(3.0 * t), reach * np.sin(2.0 * t)]))
     return TrackerSample(t, np.zeros((3, 3)), np.tile(turn, (3, 1)), np.zeros(0))

@@ -1,5 +1,5 @@
-"""PyBullet's contacts act before bodies meet, whatever the shape and wherever it sits in its body: only then does a limb that is
-pressed against a wall stay out of it. A shape inside a compound, and a box at a box, are met when they overlap and lost when not.
+"""PyBullet's contacts act before bodies meet, for any shape at any place in its body. Only then a limb pressed against a wall
+stays outside. A shape in a compound, and a box against a box, have contacts only while they overlap.
 """
 
 import numpy as np
@@ -18,17 +18,17 @@ from tests.agreement.runs import FRAME, loaded
 from tests.agreement.scenes import turned
 
 GAP = 3e-4
-"""Gap [m] to the wall: within Bullet's threshold of 2 % of a shape's size, for shapes of 0.1 m."""
+"""Gap [m] to the wall: below Bullet's threshold of 2 % of a shape's size, for shapes of 0.1 m."""
 
 HULL = ConvexHull(np.random.default_rng(3).normal(size=(20, 3)) * 0.1 + np.array([0.05, 0.0, 0.02]))
 AT, TURN = (0.05, -0.02, 0.03), turned(11)
-"""Where the piece is in its body: nowhere near the frame."""
+"""Position of the piece in its body: far from the frame."""
 SHAPES = (Sphere(0.1), Capsule(0.05, 0.2), HULL, Ellipsoid((0.08, 0.1, 0.12)), Box((0.1, 0.2, 0.3)))
 WALL = fixed("wall", (Piece(Box((1.0, 4.0, 4.0))),), "wood", (1.5, 0.0, 0.0))
 
 
 def contacts(scene: Scene, options: dict[str, object]) -> int:
-    """Contacts after one step in empty space, of which none moves anything."""
+    """Return the number of contacts after one step without gravity; none of them moves a body."""
     engine = loaded(PybulletEngine(), scene, Settings("tuned", {"dt": FRAME, "processing_threshold": 1.0, **options}))
     pybullet.stepSimulation(physicsClientId=engine._client)
     found = len(pybullet.getContactPoints(physicsClientId=engine._client))
@@ -37,7 +37,7 @@ def contacts(scene: Scene, options: dict[str, object]) -> int:
 
 
 def near_the_wall(shape: Shape, driven: bool, pieces: int = 1) -> Scene:
-    """A body, or a one-link avatar, of one piece (or the same twice), GAP before the wall."""
+    """Return a body, or a one-link avatar, of one piece (or two equal ones), GAP before the wall."""
     parts = (Piece(shape, AT, TURN),) * pieces
 
     def placed(x: float) -> Scene:
@@ -73,14 +73,14 @@ def test_two_driven_pieces_are_met_before_they_overlap_each_once_and_never_by_ea
 
 @needs_pybullet
 def test_a_driven_box_is_met_late_as_a_box_and_two_pieces_as_a_compound() -> None:
-    """What the adapter helps, as Bullet has it."""
+    """Bullet's own behaviour, without the corrections of the adapter."""
     assert contacts(near_the_wall(Box((0.1, 0.2, 0.3)), True), {"boxes_as_hulls": False}) == 0
     assert contacts(near_the_wall(Sphere(0.1), True, pieces=2), {"pieces_as_links": False}) == 0
 
 
 @needs_pybullet
 def test_a_limb_below_a_ball_joint_is_met_before_it_overlaps() -> None:
-    """The capsule of a limb lies across its link's frame, and its centre beside the joint."""
+    """The capsule of a limb lies across its link's frame, with its centre next to the joint."""
     piece = Piece(Capsule(0.05, 0.2), (0.15, 0.0, 0.0), (float(np.sqrt(0.5)), 0.0, float(np.sqrt(0.5)), 0.0))
     limb = Link("limb", None, Ball(), (piece,), solid((piece,), 1.0), anchor=(1.0 - 0.3 - GAP, 0.0, 0.0))
     scene = Scene("limb", (WALL,), (Avatar("one", (limb,)),), gravity=(0.0, 0.0, 0.0))

@@ -1,5 +1,5 @@
-"""MuJoCo's convex cone of friction: what slides on through an impact is lifted by friction times the slip that is left, unless
-friction is found after the normal forces. And what does not bounce is pushed out by its position correction.
+"""MuJoCo's convex friction cone: a body that still slides after an impact is lifted by friction times the remaining slip.
+Not so if friction is solved after the normal forces. Bodies that do not bounce are pushed out by the position correction.
 """
 
 from math import cos, radians, sin
@@ -15,18 +15,18 @@ from tests.agreement.runs import of_catalog
 SLIDES = [(45.0, 0.1), (70.0, 0.1), (70.0, 0.3)]
 """Angles [deg] and frictions of oblique_bounce at which the sphere still slides when it leaves."""
 ROUND = 3.5
-"""Change of a solid sphere's slip for one of its velocity: 1 + m r^2 / I."""
+"""Change of a solid sphere's slip per change of its velocity: 1 + m r^2 / I."""
 CONVEX: dict[str, object] = {"impratio": 1.0, "noslip_iterations": 0}
 
 
 def left_with(name: str, options: dict[str, object]) -> dict[str, np.ndarray]:
-    """Velocity (3,) [m/s] of every body at the end of a scene, by name, by tuned settings and `options`."""
+    """Return the velocity (3,) [m/s] of every body at the end of a scene, by name, with the tuned settings and `options`."""
     scene, records = of_catalog(MujocoEngine(), name, Settings("tuned", options))
     return dict(zip(scene.names, records[-1].shown.velocities, strict=True))
 
 
 def lifted(angle: float, friction: float) -> float:
-    """The convex law: v_n' = e v_n + mu s', where the slip s' = s - 3.5 mu (v_n + v_n') is what is left."""
+    """Return v_n' of the convex law: v_n' = e v_n + mu s' with the remaining slip s' = s - 3.5 mu (v_n + v_n')."""
     normal, slip = SPEED * cos(radians(angle)), SPEED * sin(radians(angle))
     left = (slip - ROUND * friction * (1.0 + RESTITUTION) * normal) / (1.0 + ROUND * friction**2)
     return RESTITUTION * normal + friction * left
@@ -43,7 +43,7 @@ def test_the_convex_cone_lifts_what_slides_on_and_friction_found_afterwards_does
 
 @pytest.mark.parametrize("kappa", [0.0, 0.1])
 def test_what_does_not_bounce_is_pushed_apart_by_its_position_correction(kappa: float) -> None:
-    """Two spheres of equal mass at 2 m/s: together at 1 m/s, or apart by up to kappa times 2 m/s."""
+    """Two spheres of equal mass at 2 m/s: afterwards together at 1 m/s, or separating by up to kappa times 2 m/s."""
     shown = left_with("two_spheres", {"kappa_resting": kappa, "dt": 1.0 / 960.0})
     apart = shown["waits_1_0"][0] - shown["comes_1_0"][0]
     assert apart == pytest.approx(2.0 * kappa, abs=1e-6 + 0.5 * kappa)

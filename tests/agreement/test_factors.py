@@ -1,4 +1,4 @@
-"""PyBullet's product rule: exact where it can be, closest where it cannot, and reported where it differs."""
+"""PyBullet's product rule: exact where possible, closest otherwise, and reported where it differs."""
 
 import numpy as np
 import pytest
@@ -15,12 +15,12 @@ from tests.agreement.scenes import hand, pressed
 BALL = (Piece(Sphere(0.05)),)
 MATERIALS = ("wood", "human", "metal")
 KNOWN = {"restitution": 0.050, "friction": 0.033}
-"""Largest miss where all materials meet all, known to three decimals."""
+"""Largest error where all materials meet all, known to three decimals."""
 HALF_A_DIGIT = 5e-4
 GRID = 0.02
-"""Between two factors that are tried."""
+"""Step between two factors of the search."""
 STEEPEST = 2.0
-"""Of a product of two factors up to 1, against both."""
+"""Largest change of a product of two factors up to 1 per change of both."""
 
 
 def test_three_classes_that_touch_are_exact() -> None:
@@ -80,7 +80,7 @@ def test_ellipsoids_are_reported_as_unsupported() -> None:
 
 @pytest.mark.parametrize("what", [0, 1], ids=list(KNOWN))
 def test_table_1_is_missed_by_no_more_than_known_where_all_meet_all(what: int) -> None:
-    """Two balls of each material, all in one place."""
+    """Return two balls of each material, all at one position."""
     bodies = tuple(simulated(f"{material}_{k}", BALL, material, solid(BALL, 1.0)) for material in MATERIALS for k in range(2))
     scene = Scene("crowd", bodies)
     found = fit(scene, coefficients(scene)[what], weights(scene)[what])
@@ -90,7 +90,7 @@ def test_table_1_is_missed_by_no_more_than_known_where_all_meet_all(what: int) -
 
 
 def tried(first: Array, second: Array, wanted: Array, weight: Array) -> float:
-    """The smallest of the largest weighted misses, of all triples of factors on a grid."""
+    """Return the smallest maximum of the weighted errors over all triples of factors on a grid."""
     steps = np.arange(GRID, 1.0 + GRID, GRID)
     factors = np.stack(np.meshgrid(steps, steps, steps, indexing="ij")).reshape(3, -1)
     return float((weight[:, None] * np.abs(factors[first] * factors[second] - wanted[:, None])).max(axis=0).min())
@@ -98,7 +98,7 @@ def tried(first: Array, second: Array, wanted: Array, weight: Array) -> float:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_no_factors_of_a_grid_are_better(seed: int) -> None:
-    """Any table of three materials, any weights, and a guess that is far off."""
+    """Any table of three materials, any weights, and a first guess that is far off."""
     draw = np.random.default_rng(seed)
     first, second = np.triu_indices(3)
     wanted, weight = draw.uniform(0.05, 0.9, 6), draw.uniform(0.1, 1.0, 6)

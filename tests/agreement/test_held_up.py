@@ -1,4 +1,4 @@
-"""Tracked links weigh nothing in the tuned engines, however they are turned, and looking inside a frame changes nothing in it."""
+"""Tracked links have no weight in the tuned engines, in any orientation, and recording inside a frame changes no result."""
 
 import numpy as np
 import pytest
@@ -18,17 +18,17 @@ from tests.agreement.scenes import every_joint, posture, skewed, turned
 
 BALL = (Piece(Sphere(0.1)),)
 LIMP = {"root_force": 0.0, "hand_force": 0.0, "hinge_force": 0.0, "ball_force": 0.0, "limit_force": 0.0, "ball_limits": False}
-"""Settings of PyBullet with which nothing drives a link; the ball of the first avatar is beyond its limits."""
+"""Settings of PyBullet without any drive of a link; the ball of the first avatar is beyond its limits."""
 
 
 def beside_a_falling_ball(avatar: Avatar, start: TrackerSample) -> Scene:
-    """Something falls far away, so that there is gravity."""
+    """Return a scene in which a ball falls far from the avatar, so that there is gravity."""
     loose = simulated("ball", BALL, "wood", solid(BALL, 0.2), (9.0, 0.0, 9.0))
     return Scene("held", (loose,), (avatar,), start=start)
 
 
 JOINTED = Avatar("jointed", tuple(link for link in every_joint().links if link.name in ("root", "one", "ball")))
-"""Without the links that are in one another at the start, and without those that PyBullet makes of a chain of light ones."""
+"""The avatar without links that overlap at the start, and without those that PyBullet makes into a chain of light links."""
 
 
 @needs_pybullet
@@ -39,7 +39,7 @@ def test_a_turned_link_that_nobody_drives_stays_where_it_is(avatar: Avatar) -> N
     records = played(PybulletEngine(), beside_a_falling_ball(avatar, start), [start] * 20, Settings("tuned", LIMP))
     first, shown = records[0].shown, records[-1].shown
     assert shown.positions[0, 2] < first.positions[0, 2] - 0.4
-    # upwards is not the only way to go: a force that turns with the link pushes it sideways
+    # all axes are checked: a force that turns with the link would push it sideways
     assert np.abs(shown.positions[1:] - first.positions[1:]).max() < 1e-6
     assert np.abs(shown.orientations[1:] - first.orientations[1:]).max() < 1e-6
 

@@ -1,4 +1,4 @@
-"""MuJoCo's priorities and explicit pairs together say exactly the scene's table, whatever it is."""
+"""MuJoCo's priorities and explicit pairs together give exactly the scene's table, for any table."""
 
 import mujoco
 import numpy as np
@@ -23,7 +23,7 @@ BALL = (Piece(Sphere(0.1)),)
 
 
 def crowd(materials: list[str], still: list[bool], table: PairTable = TABLE_1, **more: object) -> Scene:
-    """Balls that all touch at the origin, of the given materials, some of them fixed."""
+    """Return balls that all touch at the origin, of the given materials, some of them fixed."""
     bodies = [
         fixed(f"f{k}", BALL, m) if s else simulated(f"s{k}", BALL, m, solid(BALL, 1.0))
         for k, (m, s) in enumerate(zip(materials, still, strict=True))
@@ -52,13 +52,13 @@ def test_every_pair_has_its_law(bodies: list[tuple[str, bool]], numbers: list[tu
 
 
 def test_table_1_needs_few_explicit_pairs() -> None:
-    """Six balls and six slabs: 51 pairs of which priorities alone say most."""
+    """Six balls and six slabs: 51 pairs, most of them covered by priorities alone."""
     laws = contact_laws(BALL_DROP.build(), bounce=True)
     assert 0 < len(laws.explicit) <= 12
 
 
 def test_mujoco_s_own_contacts_have_the_stated_friction_and_the_stated_pairs() -> None:
-    """Read from the contacts that MuJoCo makes when all balls overlap: every wanted pair once, and no other."""
+    """The contacts that MuJoCo makes when all balls overlap: every wanted pair once, and no other."""
     scene = crowd(["human", "metal", "wood", "wood", "metal"], [False, False, False, True, True], exclude=(("s0", "s1"),))
     engine = loaded(MujocoEngine(), scene, Settings("tuned"))
     model, data = engine._world.model, engine._data
@@ -76,7 +76,7 @@ def test_mujoco_s_own_contacts_have_the_stated_friction_and_the_stated_pairs() -
 
 
 def test_links_of_an_avatar_keep_away_from_each_other_exactly_as_the_scene_says() -> None:
-    """MuJoCo's own rule would also drop grandparents across rigid joints."""
+    """MuJoCo's own rule would also exclude grandparents across rigid joints."""
     avatar = every_joint()
     scene = Scene("self", avatars=(avatar,), start=posture(avatar, 0))
     engine = loaded(MujocoEngine(), scene, Settings("tuned"))
@@ -92,7 +92,7 @@ def test_links_of_an_avatar_keep_away_from_each_other_exactly_as_the_scene_says(
 
 @pytest.mark.parametrize("margin", [0.0, 0.0004])
 def test_a_loose_margin_holds_what_rests_apart_and_leaves_the_hand_its_own(margin: float) -> None:
-    """Geoms and pairs that are not driven add up to it; a link and what is loose meet at the margin of the links."""
+    """Geoms and pairs that are not driven add up to it; a link and a loose body meet at the margin of the links."""
     scenario = catalog.get("stack_ten")
     engine = loaded(MujocoEngine(), scenario.build(), Settings("tuned", {"loose_margin": margin}), scenario.dt)
     assert np.allclose(engine._model.geom_margin, 0.5 * margin) and np.allclose(engine._model.pair_margin, margin)
@@ -106,7 +106,7 @@ def test_a_loose_margin_holds_what_rests_apart_and_leaves_the_hand_its_own(margi
 
 @pytest.mark.parametrize("margin", [0.0, 0.003])
 def test_margin_keeps_a_driven_hand_off_the_table(margin: float) -> None:
-    """Contacts begin at the margin and hold there: the hand rests that far above."""
+    """Contacts begin at the margin and act there: the hand rests at that height."""
     table = fixed("table", (Piece(Box((1.5, 1.0, 0.05))),), "wood", (0.0, 0.0, -0.025))
     scene = Scene("press", (table,), (hand(),), start=pressed(0))
     samples = [pressed(frame) for frame in range(1, 31)]

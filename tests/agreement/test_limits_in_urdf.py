@@ -1,4 +1,4 @@
-"""Bullet's own limits of ball joints: in force in an avatar that is loaded from a file, and that is else as calls make it."""
+"""Bullet's own limits of ball joints: active in an avatar loaded from a file, which else equals the one made by calls."""
 
 from typing import Any
 
@@ -30,7 +30,7 @@ FRAMES = 40
 
 
 def arm(shape: Shape, axis: Vector, swing: float) -> Scene:
-    """A limb along `axis` on a post that does not move; nothing is at a frame's own place or turn."""
+    """Return a limb along `axis` on a fixed post; no part has the position or orientation of its frame."""
     pieces, post = (Piece(shape, (0.1, 0.0, 0.05)),), (Piece(Sphere(0.05)),)
     ball = Ball(SwingTwist(axis, (0.6, 0.0, 0.8), swing, TWIST))
     links = (
@@ -41,7 +41,7 @@ def arm(shape: Shape, axis: Vector, swing: float) -> Scene:
 
 
 def reached(scene: Scene, swing: float, twist: float, options: dict[str, object]) -> tuple[float, float]:
-    """Swing and twist [rad] of the limb once its user has asked for others for a while."""
+    """Return the swing and twist [rad] of the limb after its user has held other targets for some time."""
     link = scene.links[1]
     assert isinstance(link.joint, Ball) and link.joint.limits is not None
     limits = link.joint.limits
@@ -78,7 +78,7 @@ def test_a_cone_wider_than_a_right_angle_does_not_throw_a_limb() -> None:
 
 
 def inertia(engine: Any, k: int) -> np.ndarray:
-    """Mass [kg] and tensor [kg m^2] of a link as Bullet has them, along its own axes."""
+    """Return the mass [kg] and inertia [kg m^2] of a link in Bullet, along its own axes."""
     part = engine._world.parts[k]
     found = pybullet.getDynamicsInfo(part.body, part.link, physicsClientId=engine._client)
     axes = rotation.to_matrix(part.frame)

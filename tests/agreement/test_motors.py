@@ -1,4 +1,4 @@
-"""MuJoCo's avatars led by motors: hinges and balls end where they are asked to be, and no joint swings on."""
+"""MuJoCo's avatars driven by motors: hinges and balls end at their targets, and no joint overshoots."""
 
 import numpy as np
 import pytest
@@ -16,11 +16,11 @@ MOTORS: dict[str, object] = {
     "drive": "motors", "motor_force": 0.0, "integrator": "DISCRETE", "refsafe": False, "contact": "soft", "contact_steps": 0.1,
     "limit_steps": 0.1,
 }
-"""DISCRETE: otherwise contacts and limits are solved without the damping of the servos that press against them."""
+"""Options of motors. Without DISCRETE, contacts and limits are solved without the damping of the servos that press on them."""
 
 
 def settled(scene: Scene, goal: TrackerSample, options: dict[str, object], frames: int = 120) -> tuple[MujocoEngine, list[float]]:
-    """The engine after `frames` of being asked for `goal`, and how far off [m] the link farthest off was in each."""
+    """Return the engine after `frames` with the target `goal`, and the largest error [m] of a link in each frame."""
     engine = loaded(MujocoEngine(), scene, Settings("tuned", options))
     there, off = engine._targets.posture(goal)[0], list[float]()
     for k in range(frames):
@@ -31,13 +31,13 @@ def settled(scene: Scene, goal: TrackerSample, options: dict[str, object], frame
 
 
 def test_hinges_of_a_free_avatar_end_where_they_are_asked_to_be() -> None:
-    """Twenty-two of them, arms raised by 1.3 rad."""
+    """Twenty-two hinges, arms raised by 1.3 rad."""
     _, off = settled(hanging(), posed(0.0, 0.0), MOTORS)
     assert off[-1] < 1e-4
 
 
 def test_balls_arrive_without_swinging_on() -> None:
-    """Three in a row, back from a swing of 0.4 rad; with MuJoCo's own damping of balls they swing on by 0.25 m."""
+    """Three balls in a row return from a swing of 0.4 rad; with MuJoCo's own damping of balls they overshoot by 0.25 m."""
     engine, off = settled(Scene("chain", (), (chain(),), start=swung(20)), swung(0), {**MOTORS, "lead": 0.0})
     assert off[-1] < 1e-6 and np.abs(engine._data.qvel).max() < 1e-6
     arrived = int(np.argmax(np.array(off) < 5e-3))
@@ -45,7 +45,7 @@ def test_balls_arrive_without_swinging_on() -> None:
 
 
 def test_leading_ahead_follows_a_swing_several_times_nearer() -> None:
-    """From half a second on: at the start no engine can foresee that the tracker will move."""
+    """Checked from half a second on: at the start no engine can predict that the tracker will move."""
     scene, off = Scene("chain", (), (chain(),), start=swung(0)), {}
     for lead in (0.0, 1.0):
         engine = loaded(MujocoEngine(), scene, Settings("tuned", {**MOTORS, "lead": lead}))
@@ -55,7 +55,7 @@ def test_leading_ahead_follows_a_swing_several_times_nearer() -> None:
 
 
 def test_no_ball_is_led_beyond_its_limits() -> None:
-    """Asked for 1.5 rad where 0.8 are allowed."""
+    """The target is 1.5 rad where 0.8 rad are allowed."""
     scene = Scene("cone", (), (chain(LIMITS),), start=swung(0, 0.0))
     frames = played(MujocoEngine(), scene, [swung(k, 1.5) for k in range(1, 90)], Settings("tuned", MOTORS))
     assert limit_excess(scene, frames).max() < 0.05

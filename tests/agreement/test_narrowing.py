@@ -1,4 +1,4 @@
-"""Effects that an author leaves out are left out of the other engines too, or reported as unsupported."""
+"""Effects that an author omits are omitted by the other engines too, or reported as unsupported."""
 
 from dataclasses import replace
 
@@ -16,7 +16,7 @@ SCENES = {
     "restitution": "ball_drop", "friction": "incline", "limits": "mocap_punch_wall", "self_contact": "mocap_punch_wall",
     "overlap_removal": "mocap_punch_wall", "coupling": "hand_over_table", "dynamics": "ball_drop", "gyroscopic": "dzhanibekov",
 }
-"""A scene that calls for the effect."""
+"""A scene that needs the effect."""
 
 
 SWITCHED = ("restitution", "friction", "limits", "self_contact")

@@ -1,4 +1,4 @@
-"""What a run keeps in a simulator's own words is what was run: MJCF that compiles to the same model, calls that Bullet takes."""
+"""A run's files in a simulator's own format match the run: MJCF that compiles to the same model, calls that Bullet accepts."""
 
 import gzip
 import re
@@ -23,14 +23,14 @@ from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
 from tests.agreement.runs import loaded
 
 WRITTEN = 1e-13
-"""Share by which a number may differ that was written with 17 digits, some of them as parts of a sum."""
+"""Largest relative difference of a number written with 17 digits, sometimes as part of a sum."""
 FIELDS = (
     "geom_solref", "geom_solimp", "geom_margin", "geom_gap", "geom_condim", "geom_friction", "geom_type", "geom_size",
     "pair_solref", "pair_solreffriction", "pair_solimp", "pair_margin", "pair_friction", "jnt_solref", "jnt_range",
     "tendon_solref_lim", "tendon_range", "eq_solref", "eq_solimp", "eq_data", "body_mass", "body_inertia",
     "body_gravcomp", "dof_armature", "actuator_gainprm", "actuator_biasprm", "actuator_forcerange", "exclude_signature",
 )
-"""What says how a model is simulated."""
+"""Fields that define how a model is simulated."""
 
 
 @pytest.mark.parametrize(("name", "preset"), [
@@ -107,7 +107,7 @@ def test_the_calls_set_bullet_as_it_was_run(name: str, preset: str) -> None:
     shapes = {carrier for part in engine._world.parts for carrier in part.carriers}
     for (body, link), named in dynamics:
         info = pybullet.getDynamicsInfo(body, link, physicsClientId=engine._client)
-        # of a link without a shape Bullet tells its default; of one with a shape it is the one that counts
+        # for a link without a shape Bullet returns its default; for one with a shape it returns the value in use
         if (body, link) in shapes and "lateralFriction" in named:
             assert info[1] == pytest.approx(named["lateralFriction"])
     assert len(dynamics) >= len(engine._world.parts)

@@ -1,4 +1,4 @@
-"""The same scene in both engines: masses, inertias, vertices, kinematics, contact-free motion."""
+"""One scene in both engines: masses, inertias, vertices, kinematics, contact-free motion."""
 
 from itertools import pairwise
 
@@ -24,7 +24,7 @@ PRESETS = pytest.mark.parametrize("preset", ["default", "tuned"])
 
 
 def same_turn(a: np.ndarray, b: np.ndarray) -> float:
-    """Largest difference of two sets of quaternions, sign apart."""
+    """Return the largest difference of two sets of quaternions, regardless of sign."""
     return float(np.minimum(np.abs(a - b).max(axis=-1), np.abs(a + b).max(axis=-1)).max())
 
 
@@ -75,7 +75,7 @@ def test_pybullet_has_the_stated_masses_and_inertias(scene: Scene) -> None:
 
 
 def test_mujoco_meshes_are_where_the_scene_has_them() -> None:
-    """MuJoCo moves every mesh to its centre of mass; a hull must come out in place all the same."""
+    """MuJoCo moves every mesh to its centre of mass; a hull must still keep its place."""
     scene = bodies_of_all_shapes()
     engine = MujocoEngine()
     shown = engine.load(scene, Settings(), FRAME).shown
@@ -95,7 +95,7 @@ def test_mujoco_meshes_are_where_the_scene_has_them() -> None:
 
 @needs_pybullet
 def test_pybullet_hulls_are_where_the_scene_has_them() -> None:
-    """A tiny ball 0.2 m outside a vertex is as far away as it should be, to the 0.1 mm of Bullet's own measurement."""
+    """A tiny ball 0.2 m outside a vertex has that distance, to the 0.1 mm of Bullet's own measurement."""
     scene = bodies_of_all_shapes()
     engine = PybulletEngine()
     shown = engine.load(scene, Settings("tuned"), FRAME).shown
@@ -125,11 +125,11 @@ def test_pybullet_hulls_are_where_the_scene_has_them() -> None:
 @ENGINES
 @PRESETS
 def test_free_fall_is_right_to_the_order_of_the_integrator(engine: Engine, preset: str) -> None:
-    """Semi-implicit Euler falls g t h / 2 further than the law, h being the step; nothing else may differ."""
+    """Semi-implicit Euler falls g t h / 2 farther than the law, where h is the step; nothing else may differ."""
     scene = ball_on_slab(height=5.0)
     options = {"damping": 0.0} if engine.name == "pybullet" else {}
     record = played(engine, scene, idle(scene, 30), Settings(preset, options))[-1]
-    # Rapier's solver iterations are substeps of velocities and places
+    # Rapier's solver iterations are substeps of velocities and positions
     t, step = 30 * FRAME, FRAME / record.counts["steps"] / (4 if engine.name == "rapier" else 1)
     assert record.shown.time == pytest.approx(t, rel=1e-12)
     assert record.shown.positions[1, 2] == pytest.approx(5.05 - 0.5 * 9.81 * t * (t + step), abs=digits(engine, 1e-9, 1e-4))
@@ -137,7 +137,7 @@ def test_free_fall_is_right_to_the_order_of_the_integrator(engine: Engine, prese
 
 
 def centre_and_momentum(record: FrameRecord, body: int, mass: Mass) -> tuple[np.ndarray, np.ndarray]:
-    """Centre of mass [m] and angular momentum about it, in world axes."""
+    """Return the centre of mass [m] and the angular momentum about it, in world axes."""
     shown = record.shown
     turn = rotation.to_matrix(shown.orientations[body])
     return shown.positions[body] + turn @ np.array(mass.centre), turn @ mass.inertia @ turn.T @ shown.angular_velocities[body]
@@ -145,7 +145,7 @@ def centre_and_momentum(record: FrameRecord, body: int, mass: Mass) -> tuple[np.
 
 @ENGINES
 def test_skewed_bodies_spin_alike(engine: Engine) -> None:
-    """No force acts: mass centres go straight on, angular momentum turns with nothing but the integrator's error."""
+    """Without forces mass centres move straight on, and angular momentum changes only by the integrator's error."""
     scene = bodies_of_all_shapes()
     records = played(engine, scene, idle(scene, 30), Settings("tuned"))
     t = 30 * FRAME
@@ -194,7 +194,7 @@ def test_raw_tracker_shows_the_plain_kinematics() -> None:
 @ENGINES
 @PRESETS
 def test_links_without_shapes_go_along(engine: Engine, preset: str) -> None:
-    """A root that is only a frame, and a joint between two limbs that has nothing to see."""
+    """A root that is only a frame, and a joint without shape between two limbs."""
     ball, mass = (Piece(Sphere(0.1)),), Mass(1.0)
     sparse = Avatar("chain", (
         Link("root", None, Free(), (), mass), Link("upper", "root", Ball(), ball, solid(ball, 1.0), anchor=(0.0, 0.0, 0.3)),

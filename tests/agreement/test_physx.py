@@ -1,4 +1,4 @@
-"""PhysX's adapter: laws of contact and friction, limits of joints, pairs that pass, and that a run repeats to the bit."""
+"""PhysX's adapter: laws of contact and friction, joint limits, filtered pairs, and runs that repeat to the bit."""
 
 from typing import Any
 
@@ -28,18 +28,18 @@ from tests.agreement.scenes import (
 engine_module = pytest.importorskip("reference.in_physx.engine", exc_type=ImportError)
 
 SINGLE = 1e-6
-"""Rounding of metres and quaternions in single precision, some times over."""
+"""A few times the rounding of metres and quaternions in single precision."""
 BALL = (Piece(Sphere(0.05)),)
 TUNED = Settings("tuned")
 
 
 def engine() -> Any:
-    """A fresh engine."""
+    """Return a fresh engine."""
     return engine_module.PhysxEngine()
 
 
 def held(joint: Hinges | Slide | Ball | Rigid) -> Avatar:
-    """A hand that floats, and a limb on it by a joint."""
+    """Return a floating hand with a limb on a joint."""
     palm, limb = (Piece(Box((0.1, 0.1, 0.1))),), (Piece(Capsule(0.03, 0.2), (0.2, 0.0, 0.0), rotation_of_z_to_x()),)
     return Avatar("arm", (
         Link("palm", None, Free(), palm, solid(palm, 1.0)),
@@ -48,13 +48,13 @@ def held(joint: Hinges | Slide | Ball | Rigid) -> Avatar:
 
 
 def sample(turn: np.ndarray, angles: list[float], time: float = 0.0) -> TrackerSample:
-    """A still palm at 1 m, and a limb at a turn or at angles."""
+    """Return a sample of a still palm at 1 m and a limb at a rotation or at joint angles."""
     return TrackerSample(time, np.tile((0.0, 0.0, 1.0), (2, 1)), np.array([rotation.IDENTITY, turn]), np.array(angles))
 
 
 def pulled(avatar: Avatar, turn: tuple[float, float, float], angles: list[float], frames: int = 60
            ) -> tuple[Scene, list[FrameRecord]]:
-    """A run in which the user turns the limb as far as told in half the time, and holds it there; the targets are not clamped."""
+    """Return a run whose user turns the limb to the target in half the time and then holds it; targets are not clamped."""
     start = sample(np.array(rotation.IDENTITY), [0.0] * len(angles))
     scene = Scene("pulled", avatars=(avatar,), gravity=(0.0, 0.0, 0.0), start=start)
     shares = np.minimum(1.0, np.arange(1, frames + 1) / (0.5 * frames))
@@ -66,7 +66,7 @@ def pulled(avatar: Avatar, turn: tuple[float, float, float], angles: list[float]
 
 
 def of_limb(records: list[FrameRecord]) -> np.ndarray:
-    """Turn (w, x, y, z) of the limb in the palm's frame, at the end."""
+    """Return the rotation (w, x, y, z) of the limb in the palm's frame, at the end."""
     palm, limb = records[-1].shown.orientations
     turn: np.ndarray = rotation.multiply(rotation.conjugate(palm), limb)
     return turn
@@ -116,7 +116,7 @@ def test_a_slide_stops_at_its_limits_and_does_not_turn() -> None:
 
 @pytest.mark.parametrize("diagonal", [0.0, 45.0, 90.0, 200.0])
 def test_a_swing_cone_is_round(diagonal: float) -> None:
-    """40 degrees in every direction, also between the axes, where limits about two axes would be wider by a third."""
+    """The limit is 40 degrees in any direction, also between the axes, where limits about two axes would be wider by a third."""
     limits = SwingTwist((1.0, 0.0, 0.0), (1.0, 0.0, 0.0), np.radians(40.0), (-0.4, 0.6))
     axis = 1.2 * np.array([0.0, np.cos(np.radians(diagonal)), np.sin(np.radians(diagonal))])
     scene, records = pulled(held(Ball(limits)), tuple(axis), [])
@@ -133,7 +133,7 @@ def test_twist_stops_at_its_limits() -> None:
 
 
 def test_a_posture_that_is_held_stays() -> None:
-    """Every joint at once: what holds hinges, rigid links and links between hinges together does not fight."""
+    """Every joint at once: the constraints of hinges, rigid links and links between hinges do not conflict."""
     avatar = every_joint()
     start = posture(avatar, 0)
     scene = Scene("held", avatars=(avatar,), start=start, gravity=(0.0, 0.0, 0.0), narrow=("self_contact", "limits"))
@@ -144,7 +144,7 @@ def test_a_posture_that_is_held_stays() -> None:
 
 
 def test_pairs_that_the_scene_lets_pass_do_not_meet() -> None:
-    """Of two balls above a slab the slab lets one pass, which falls as if there were none."""
+    """One of two balls above a slab is excluded from contact with it and falls freely."""
     slab, other = ball_on_slab().bodies[0], (0.5, 0.0, 0.55)
     balls = [simulated(name, BALL, "wood", solid(BALL, 0.2), at) for name, at in (("stays", (0.0, 0.0, 0.55)), ("falls", other))]
     scene = Scene("pass", (slab, *balls), exclude=(("slab", "falls"),))
@@ -165,7 +165,7 @@ def test_scenes_of_too_many_groups_are_refused_before_they_are_loaded() -> None:
 
 @pytest.mark.parametrize("preset", ["default", "tuned"])
 def test_a_run_repeats_to_the_bit_in_one_process(preset: str) -> None:
-    """Between the two another scene runs with other settings, which are the process' own."""
+    """Between the two runs another scene runs with other settings, which are global to the process."""
     scene, other = hand_over_table(), ball_on_slab(gravity=1.0)
     samples = [pressed(k) for k in range(1, 41)]
     first = [record.state_hash() for record in played(engine(), scene, samples, Settings(preset))]
@@ -184,7 +184,7 @@ def test_features_without_a_counterpart_are_reported() -> None:
 @pytest.mark.parametrize("thickness", [0.1, 1e-3, 1e-6])
 @pytest.mark.parametrize("size", [1.0, 1e-3])
 def test_hulls_keep_their_vertices_however_thin_or_small(thickness: float, size: float) -> None:
-    """The package takes vertices for one that are 0.7 mm apart, if it is not told otherwise."""
+    """By default the package merges vertices that are 0.7 mm apart."""
     corners = np.array(np.meshgrid(*3 * [[-1.0, 1.0]])).reshape(3, -1).T * (0.5, 0.3, thickness)
     points = size * (rotation.rotate(rotation.normalised(np.array((0.3, 0.5, -0.7, 0.2))), corners) + (0.1, 0.2, 0.3))
     piece = (Piece(ConvexHull(points)),)

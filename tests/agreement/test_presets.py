@@ -1,4 +1,4 @@
-"""Tuned beats default where it claims to, options are checked, and every setting can be read back."""
+"""Tuned presets are better than default ones where documented, options are checked, and every setting can be read back."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -26,7 +26,7 @@ from tests.agreement.scenes import arm, ball_on_slab, bent, chain, hand_over_tab
 
 
 def overlap_and_offset(engine: Engine, preset: str, scene: Scene, samples: list[TrackerSample]) -> tuple[float, float]:
-    """Largest overlap [m] in shown frames, and the rms distance [m] of link origins from the raw tracker's."""
+    """Return the largest overlap [m] in shown frames, and the rms distance [m] of link origins from the raw tracker's."""
     records, first = played(engine, scene, samples, Settings(preset))[1:], len(scene.bodies)
     offsets = [np.linalg.norm(record.shown.positions[first:] - link_poses(scene.avatars, sample)[0], axis=1)
                for record, sample in zip(records, samples, strict=True)]
@@ -35,13 +35,13 @@ def overlap_and_offset(engine: Engine, preset: str, scene: Scene, samples: list[
 
 @ENGINES
 def test_tuned_hand_overlaps_less(engine: Engine) -> None:
-    """By default, too, driven bodies touch fixed ones: a mocap body makes no contact with those in MuJoCo, nor one of mass 0 in
-    PyBullet, and would go 2 cm deep."""
+    """With default settings, too, driven bodies touch fixed ones.
+    A mocap body has no contact with those in MuJoCo, nor a body of mass 0 in PyBullet, and would go 2 cm deep."""
     scene, samples, deepest = hand_over_table(), [pressed(frame) for frame in range(1, 61)], {}
     for preset in ("default", "tuned"):
         records = played(engine, scene, samples, Settings(preset))
         deepest[preset] = depths(scene, records).max()
-        # no overlap is also what a hand under the table has
+        # a hand under the table has no overlap either
         assert records[-1].shown.positions[1, 2] > 0.0
     assert 1e-4 < deepest["default"] < 5e-3
     assert deepest["tuned"] < 5e-5
@@ -57,8 +57,8 @@ def test_tuned_arm_at_the_wall_overlaps_less_in_mujoco() -> None:
 
 @needs_pybullet
 def test_tuned_arm_in_pybullet_is_closer_to_the_tracker_while_the_way_is_free() -> None:
-    """By default it overlaps the wall no more (0 against 0.05 mm), as contacts act before bodies meet and motors of any
-    force push. So tuned does not win on overlap here; it wins on offset before the wall is reached, twenty times over."""
+    """The default does not overlap the wall more (0 against 0.05 mm), as contacts act before bodies meet and motors of any
+    force push. So tuned is not better in overlap here; its offset before the wall is reached is twenty times smaller."""
     free = [bent(frame) for frame in range(1, 31)]
     _, default = overlap_and_offset(PybulletEngine(), "default", arm(), free)
     _, tuned = overlap_and_offset(PybulletEngine(), "tuned", arm(), free)
@@ -73,7 +73,7 @@ def test_tuned_chain_stays_closer_to_a_tracker_that_is_free(engine: Engine) -> N
     samples = [swung(frame) for frame in range(1, 91)]
     _, default = overlap_and_offset(engine, "default", scene, samples)
     _, tuned = overlap_and_offset(engine, "tuned", scene, samples)
-    # the springs of Rapier's two presets are the same: only its steps differ
+    # the springs of Rapier's two presets are equal: only the steps differ
     assert tuned < (0.6 if engine.name == "rapier" else 0.5) * default
     assert tuned < 0.01
 
@@ -124,7 +124,7 @@ def test_settings_are_read_back_with_their_reasons(engine: Engine) -> None:
 
 @ENGINES
 def test_steps_follow_the_frame_time(engine: Engine) -> None:
-    """A frame of another length is cut anew: time and fall agree with the closed form."""
+    """A frame of another length is divided anew: time and fall agree with the closed form."""
     scene = ball_on_slab(height=5.0)
     engine.load(scene, Settings("tuned"), FRAME)
     first, second = idle(scene, 2)

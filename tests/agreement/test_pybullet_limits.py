@@ -1,4 +1,4 @@
-"""Limits of PyBullet's joints: excess of balls is found as the measure of limits finds it, and held back."""
+"""Limits of PyBullet's joints: the excess of balls equals that of the metric of limits, and is limited."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def test_beyond_is_what_the_measure_of_limits_calls_beyond() -> None:
 
 
 def worst_excess(name: str, frames: int | None, options: dict[str, object]) -> float:
-    """Largest excess [deg] over any limit in a scene of the catalogue."""
+    """Return the largest excess [deg] over any limit in a scene of the catalogue."""
     return float(limit_excess(*of_catalog(PybulletEngine(), name, Settings("tuned", options), frames)).max())
 
 
@@ -51,7 +51,7 @@ def test_limits_and_motors_keep_balls_of_legs_that_meet_within_some_degrees() ->
 
 @needs_pybullet
 def test_a_hand_in_a_corner_keeps_its_limits_where_it_is_led_by_the_force_of_a_hand() -> None:
-    """It is in the corner from the tenth frame on; forces that lead a body break its fingers' limits."""
+    """The hand is in the corner from the tenth frame on; forces strong enough for a body violate its fingers' limits."""
     assert worst_excess("hand_in_corner", 40, {}) < 20.0
     assert worst_excess("hand_in_corner", 40, {"root_force": 2000.0, "hinge_force": 100.0, "solver_iterations": 50}) > 60.0
 

@@ -1,4 +1,4 @@
-"""Rapier: closed forms that its tuned preset reaches, joints and limits as the scene has them, and traps of its settings."""
+"""Rapier: closed forms reached by its tuned preset, joints and limits of the scene, and traps of its settings."""
 
 from collections.abc import Mapping
 from math import sqrt
@@ -25,7 +25,7 @@ LIMB = (Piece(Capsule(0.03, 0.2), (0.15, 0.0, 0.0), (sqrt(0.5), 0.0, sqrt(0.5), 
 
 @pytest.mark.parametrize("rate", [240, 960])
 def test_a_ball_bounces_by_its_restitution(rate: int) -> None:
-    """A beta release was known for wrong restitution: each version is asked."""
+    """A beta release was known for wrong restitution: each version is checked."""
     scene, records = of_catalog(RapierEngine(), "bounce_ladder", Settings("tuned", {"dt": 1.0 / rate}, record_inside=True), 120)
     states = [state for record in records for state in record.inside]
     for k, body in enumerate(scene.bodies):
@@ -37,7 +37,7 @@ def test_a_ball_bounces_by_its_restitution(rate: int) -> None:
 
 
 def test_recycled_contacts_are_found_late() -> None:
-    """The default keeps contact points until shapes have moved 5 cm; what the tuned preset switches off matters most."""
+    """The default keeps contact points until shapes have moved 5 cm; disabling this is the tuned preset's main change."""
     deepest = {}
     for recycling in (True, False):
         options = {"contact_recycling": recycling, "dt": 1.0 / 240.0}
@@ -47,7 +47,7 @@ def test_recycled_contacts_are_found_late() -> None:
 
 
 def arm(joint: Ball | Hinges) -> Avatar:
-    """A fixed-in-place root that the user holds, and a limb."""
+    """Return a root that the user holds in place, and a limb."""
     root = (Piece(Box((0.1, 0.1, 0.1))),)
     return Avatar("arm", (Link("root", None, Free(), root, solid(root, 5.0)),
                           Link("limb", "root", joint, LIMB, solid(LIMB, 0.3), anchor=(0.1, 0.0, 0.0))))
@@ -56,7 +56,7 @@ def arm(joint: Ball | Hinges) -> Avatar:
 @pytest.mark.parametrize("diagonal", [False, True])
 @pytest.mark.parametrize(("swing", "most"), [("ropes", 1.0), ("axes", 16.0)])
 def test_a_cone_holds_in_any_direction_by_ropes_and_has_corners_by_axes(diagonal: bool, swing: str, most: float) -> None:
-    """A limb that hangs in a cone of 40 degrees is asked for 80, with nothing brought within limits."""
+    """A limb in a cone of 40 degrees has a target of 80, with targets not clamped to the limits."""
     limits = SwingTwist((1.0, 0.0, 0.0), (1.0, 0.0, 0.0), np.radians(40.0), (-0.3, 0.3))
     scene = Scene("cone", avatars=(arm(Ball(limits)),), gravity=(0.0, 0.0, 0.0))
     axis = np.array((0.0, 1.0, 1.0 if diagonal else 0.0))
@@ -107,7 +107,7 @@ def test_the_same_run_gives_the_same_bits() -> None:
 
 
 def test_settings_reach_the_solver() -> None:
-    """A softness that is assigned in place changes a copy: whole objects are assigned."""
+    """Assigning a softness in place changes a copy: whole objects are assigned."""
     scene = Scene("hand", avatars=(arm(Ball()),))
     parameters = loaded(RapierEngine(), scene, Settings("tuned"))._world.physics.integration_parameters
     assert parameters.contact_softness.natural_frequency == pytest.approx(480.0)
@@ -130,7 +130,7 @@ def test_the_world_can_be_restored_from_its_own_words() -> None:
 
 
 def meets(groups: list[tuple[int, int]], a: int, b: int) -> bool:
-    """Return what Rapier makes of two bodies' groups."""
+    """Return True if Rapier lets two bodies of these groups collide."""
     return bool(groups[a][0] & groups[b][1] and groups[b][0] & groups[a][1])
 
 
@@ -149,7 +149,7 @@ def test_groups_say_which_bodies_meet(seed: int) -> None:
 
 
 def test_pairs_that_masks_cannot_say_pass_by_joints(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two links that may overlap lie in one another, and stay."""
+    """Two links that are allowed to overlap do so, and stay."""
     monkeypatch.setattr("reference.in_rapier.world.collision_groups", lambda meets: None)
     ball = (Piece(Sphere(0.1)),)
     links = (Link("root", None, Free(), ball, solid(ball, 1.0)),

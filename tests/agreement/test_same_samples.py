@@ -1,4 +1,4 @@
-"""Every engine is given the same samples of the tracker at the same instants, to the bit, and is asked for the same frames."""
+"""Every engine gets the same tracker samples at the same instants, to the bit, and computes the same frames."""
 
 from pathlib import Path
 
@@ -21,7 +21,7 @@ SCENES = ("driven_10cm_wall", "two_arms", "hand_grasp", "squeeze")
 
 
 class Listening:
-    """An engine that notes what it is told."""
+    """An engine that records its inputs."""
 
     def __init__(self, inner: Engine, heard: list[tuple[float, bytes]]) -> None:
         self.inner, self.heard = inner, heard
@@ -38,7 +38,7 @@ class Listening:
         return self.inner.advance(sample, dt)
 
     def note(self, sample: TrackerSample, dt: float) -> None:
-        """Time, frame time and every number of a sample, as bytes."""
+        """Record the time, frame time and every number of a sample, as bytes."""
         numbers = np.concatenate([sample.positions.ravel(), sample.rotations.ravel(), sample.angles, [dt]])
         self.heard.append((sample.time, numbers.tobytes()))
 
@@ -59,7 +59,7 @@ def test_all_engines_hear_the_same(scene: str, tmp_path: Path, monkeypatch: pyte
         other = recordings[name]
         for field in ("times", "raw_positions", "raw_orientations", "raw_angles"):
             assert getattr(other, field).tobytes() == getattr(first, field).tobytes()
-        # and they begin in the same first state
+        # they also begin in the same first state
         assert np.abs(other.positions[0] - first.positions[0]).max() <= 1e-12
 
 

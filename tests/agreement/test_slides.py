@@ -1,4 +1,4 @@
-"""Slides in other engines: links start where the tracker has them, and are led along their axes within limits."""
+"""Slides in other engines: links start at the tracker's poses, and move along their axes within limits."""
 
 from dataclasses import replace
 
@@ -23,7 +23,7 @@ LEAN = (0.8, 0.0, 0.6, 0.0)
 
 
 def gantry() -> Avatar:
-    """A bridge on a rail that leans, a carriage on the bridge, and an arm that turns below it."""
+    """Return a bridge on an inclined rail, a carriage on the bridge, and an arm that turns below it."""
     mass = solid(BOX, 1.0)
     return Avatar("gantry", (
         Link("rail", None, Rigid(), BOX, mass),

@@ -1,4 +1,4 @@
-"""What the engines are told to follow: the same motion for all, and the plain kinematics at every instant."""
+"""Targets of the engines: one motion for all, equal to the plain kinematics at every instant."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def test_interpolated_postures_have_the_plain_kinematics(seed: int, fraction: fl
 
 @given(st.integers(0, 10**6))
 def test_clamped_samples_are_within_limits_and_free_ones_unchanged(seed: int) -> None:
-    """Swing and twist as in the joint's own definition, measured here from the matrices."""
+    """Swing and twist as in the joint's definition, measured here from the matrices."""
     draw = np.random.default_rng(seed)
     avatar = SCENE.avatars[0]
     wild = TrackerSample(
@@ -51,7 +51,7 @@ def test_clamped_samples_are_within_limits_and_free_ones_unchanged(seed: int) ->
     assert LIMITS.twist[0] - 1e-9 <= twist <= LIMITS.twist[1] + 1e-9
     if was_swing <= LIMITS.swing and LIMITS.twist[0] <= was_twist <= LIMITS.twist[1]:
         assert np.abs(kept.rotations[2] - wild.rotations[2]).max() <= 1e-12
-    # the parts that were within limits stay as they were
+    # the parts within limits stay unchanged
     assert swing == pytest.approx(min(was_swing, LIMITS.swing), abs=1e-7)
     assert twist == pytest.approx(min(max(was_twist, LIMITS.twist[0]), LIMITS.twist[1]), abs=1e-7)
     # the order of tracker angles is that of the links: "one", then the three of "three"
@@ -60,7 +60,7 @@ def test_clamped_samples_are_within_limits_and_free_ones_unchanged(seed: int) ->
 
 
 def swing_and_twist(turn: np.ndarray) -> tuple[float, float]:
-    """Angle of the limb's axis from the cone's, and the turn about it; the axes of LIMITS coincide."""
+    """Return the angle of the limb's axis from the cone's, and the rotation about it; the axes of LIMITS coincide."""
     axis = np.array(LIMITS.axis)
     along = rotation.rotate(turn, axis)
     swing = float(np.arctan2(np.linalg.norm(np.cross(axis, along)), axis @ along))
@@ -69,7 +69,7 @@ def swing_and_twist(turn: np.ndarray) -> tuple[float, float]:
 
 
 def test_poses_ahead_go_on_as_the_motion_came() -> None:
-    """A steady motion led by two steps is where it will be two steps later."""
+    """A steady motion with a lead of two steps gives the position two steps later."""
     start = posture(SCENE.avatars[0], 0)
     spin = rotation.from_axis_angle((0.0, 0.0, 1.0), 0.1)
     end = TrackerSample(
@@ -85,7 +85,7 @@ def test_poses_ahead_go_on_as_the_motion_came() -> None:
 
 
 def test_nobody_is_led_beyond_a_limit() -> None:
-    """The root moves and a hinge turns past its limit: the root goes on, the hinge stops; within limits nothing changes."""
+    """The root moves and a hinge turns past its limit: the root continues, the hinge stops; within limits nothing changes."""
     targets = Targets(SCENE, clamp=True)
     start, end, far = (targets.within_limits(posture(SCENE.avatars[0], 0)) for _ in range(3))
     end.positions[0] += (0.1, 0.0, 0.0)
@@ -95,7 +95,7 @@ def test_nobody_is_led_beyond_a_limit() -> None:
     positions, orientations = targets.ahead(goals, 4.0, stop=True)
     there, turned = link_poses(SCENE.avatars, far)
     assert np.abs(np.abs(np.sum(orientations[1] * turned, axis=1)) - 1.0).max() <= 1e-12
-    # what hangs on the hinge goes on straight, as it came: only what the limit changes is taken back
+    # the link below the hinge continues straight: only the change due to the limit is reverted
     assert np.abs(positions[1, :3] - there[:3]).max() <= 1e-12
     free = targets.ahead(goals, 4.0)
     assert np.abs(free[1][1, 1] - orientations[1, 1]).max() > 0.1
@@ -108,7 +108,7 @@ def test_nobody_is_led_beyond_a_limit() -> None:
 def test_turns_go_on_as_the_plain_interpolation_does(seed: int, share: float) -> None:
     rng = np.random.default_rng(seed)
     turns = rotation.normalised(rng.normal(size=(1, 6, 4)))
-    # no step of a frame turns a joint by half a circle, where either way round is right
+    # no step of a frame turns a joint by half a circle, where both directions would be right
     for _ in range(3):
         step = rotation.from_rotation_vector(0.1 * rng.normal(size=(1, 6, 3)))
         turns = np.concatenate([turns, rotation.multiply(turns[-1:], step)])

@@ -1,4 +1,4 @@
-"""Three hinges in place of a ball joint: the same posture at the start, and twist that does not leave its range."""
+"""Three hinges in place of a ball joint: equal posture at the start, and twist that stays within its range."""
 
 import mujoco
 import numpy as np

@@ -1,4 +1,4 @@
-"""Each trap that would silently falsify the comparison, sprung on purpose: the adapters must not fall into it."""
+"""Each trap that would silently falsify the comparison, triggered on purpose: the adapters must avoid it."""
 
 import mujoco
 import numpy as np
@@ -22,9 +22,9 @@ from tests.agreement.scenes import arm, ball_on_slab, bent, bodies_of_all_shapes
 HALF = np.array([0.2, 0.15, 0.1])
 """Half edges of the box [m]."""
 RADIUS, LONG = 0.03, 0.3
-"""Of the capsule [m]."""
+"""Radius and length of the capsule [m]."""
 NET = 2e-3
-"""What the net may miss [m]: neighbours are 8 mrad off at most, and the farthest corners 0.25 m away."""
+"""Largest error of the net of directions [m]: neighbours differ by 8 mrad at most, and the farthest corners are 0.25 m away."""
 BESIDE = """
 <mujoco><option gravity="0 0 0"/><worldbody><geom type="box" size="0.2 0.15 0.1"/>
 <body><freejoint/><geom type="capsule" size="0.03 0.15"/></body></worldbody></mujoco>
@@ -36,12 +36,12 @@ DRIVEN = """
 <body><joint name="x" type="slide" axis="1 0 0"/><geom type="sphere" size="0.03" mass="0.5"/></body></worldbody>
 <actuator><general joint="x" gainprm="1000" biastype="affine" biasprm="0 -1000 -40"/></actuator></mujoco>
 """
-"""A hand on a servo of K = 1000, R = 40 before a wall whose face is at 0.2 m."""
+"""Return a hand on a servo of K = 1000, R = 40 before a wall whose face is at 0.2 m."""
 
 
 @needs_pybullet
 def test_1_breaking_threshold_left_behind_by_others_does_not_matter() -> None:
-    """It is global to the process and outlives resetSimulation and disconnect."""
+    """The setting is global to the process and survives resetSimulation and disconnect."""
     def last_state() -> str:
         return played(PybulletEngine(), ball_on_slab(), idle(ball_on_slab(), 40), Settings("default"))[-1].state_hash()
 
@@ -53,7 +53,7 @@ def test_1_breaking_threshold_left_behind_by_others_does_not_matter() -> None:
 
 
 def resting_gap(preset: str) -> float:
-    """Height [m] of a cube given as a hull above a slab given as a hull, after a second of rest."""
+    """Return the height [m] of a cube given as a hull above a slab given as a hull, after a second of rest."""
     scene = hull_on_slab()
     return float(played(PybulletEngine(), scene, idle(scene, 60), Settings(preset))[-1].shown.positions[1, 2]) - 0.05
 
@@ -67,7 +67,7 @@ def test_3_hulls_are_not_inflated_when_tuned() -> None:
 
 @needs_pybullet
 def test_4_default_loses_the_bounce_at_small_steps() -> None:
-    """Contacts that act early stop a ball of restitution 0.3. The tuned preset: `reached/test_newton.py`."""
+    """Contacts that act early stop a ball of restitution 0.3. For the tuned preset see `reached/test_newton.py`."""
     scene, settings = ball_on_slab(), Settings("default", {"dt": 1.0 / 4000.0}, record_inside=True)
     records = played(PybulletEngine(), scene, idle(scene, 40), settings)
     speeds = np.array([state.velocities[1, 2] for record in records for state in record.inside])
@@ -75,7 +75,7 @@ def test_4_default_loses_the_bounce_at_small_steps() -> None:
 
 
 def test_8_hinge_limits_hold_when_tuned() -> None:
-    """MuJoCo's default limits give way by degrees to a weld that pulls; the tuned ones do not."""
+    """MuJoCo's default limits yield by degrees to the pull of a weld; the tuned ones do not."""
     excess = {}
     samples = [bent(frame) for frame in range(1, 61)]
     for frame, sample in enumerate(samples, 1):
@@ -89,7 +89,7 @@ def test_8_hinge_limits_hold_when_tuned() -> None:
 
 @needs_pybullet
 def test_11_stated_inertias_stay_in_the_multibody_solver() -> None:
-    """Given an inertia, a body outside that solver loses its mass and turns to NaN."""
+    """With a given inertia, a body outside that solver loses its mass and its state becomes NaN."""
     scene, engine = bodies_of_all_shapes(), PybulletEngine()
     engine.load(scene, Settings("tuned"), FRAME)
     assert not engine._world.maximal
@@ -100,7 +100,7 @@ def test_11_stated_inertias_stay_in_the_multibody_solver() -> None:
 
 
 def test_a_diverged_mujoco_is_shown_as_such() -> None:
-    """MuJoCo replaces a state that is not finite by the first one, unless told not to."""
+    """By default MuJoCo replaces a state that is not finite by the first one."""
     scene, engine = ball_on_slab(), MujocoEngine()
     engine.load(scene, Settings(), FRAME)
     engine._data.qvel[2] = np.nan
@@ -111,7 +111,7 @@ def test_a_diverged_mujoco_is_shown_as_such() -> None:
 
 
 def test_swing_cones_hold_in_mujoco_when_tuned() -> None:
-    """A tendon between two points is a cone: against a tracker that goes 0.4 rad beyond it, unclamped."""
+    """A tendon between two points acts as a cone, here against an unclamped tracker 0.4 rad beyond it."""
     limits = SwingTwist((1.0, 0.0, 0.0), (1.0, 0.0, 0.0), 0.3, (-3.0, 3.0))
     scene = Scene("cone", avatars=(chain(limits),), start=swung(0))
     samples = [swung(frame, 0.7) for frame in range(1, 121)]
@@ -121,7 +121,7 @@ def test_swing_cones_hold_in_mujoco_when_tuned() -> None:
         parents = np.vstack([[1.0, 0.0, 0.0, 0.0], turns[:-1]])
         along = rotation.rotate(rotation.multiply(rotation.conjugate(parents), turns), np.array([1.0, 0.0, 0.0]))
         swings.append(float(np.arctan2(np.linalg.norm(along[:, 1:], axis=1), along[:, 0]).max()))
-    # it gives way by 2 degrees where the tracker swings fastest, and by less than 0.3 elsewhere
+    # it yields by 2 degrees where the tracker swings fastest, and by less than 0.3 elsewhere
     assert max(swings) < 0.3 + 0.05
     assert np.quantile(swings, 0.9) < 0.305
 
@@ -129,7 +129,7 @@ def test_swing_cones_hold_in_mujoco_when_tuned() -> None:
 @needs_pybullet
 @pytest.mark.parametrize("preset", ["default", "tuned"])
 def test_a_floor_of_many_pieces_is_whole(preset: str) -> None:
-    """PyBullet takes 16 pieces for one body and drops the others silently: a box at the far end then falls."""
+    """PyBullet takes 16 pieces for one body and ignores the others silently: a box at the far end then falls."""
     stones = tuple(Piece(Box((0.1, 1.0, 0.2)), (0.1 * k, 0.0, -0.1)) for k in range(40))
     pieces = (Piece(Box((0.3, 0.3, 0.1))),)
     boxes = tuple(simulated(f"box_{x}", pieces, "wood", solid(pieces, 1.0), (x, 0.0, 0.0501)) for x in (0.5, 2.0, 3.5))
@@ -150,7 +150,7 @@ def test_a_moving_body_of_more_pieces_than_pybullet_takes_is_refused() -> None:
     ("scale_mm", 2e-4, {}, True), ("scale_km", 2e2, {}, True), ("scale_mm", 2e-4, {"tolerance": 1e-8}, False),
 ])
 def test_mujoco_s_stacks_stand_at_any_size(name: str, edge: float, options: dict[str, object], stands: bool) -> None:
-    """Its solver may not end where forces are small; with its default tolerance a stack of 0.2 mm falls apart."""
+    """The solver must not stop where forces are small; with its default tolerance a stack of 0.2 mm collapses."""
     scene, records = of_catalog(MujocoEngine(), name, Settings("tuned", options), 30)
     boxes = [scene.names.index(box) for box in STACK]
     drift = np.abs(records[-1].shown.positions[boxes] - records[0].shown.positions[boxes]).max()
@@ -158,7 +158,7 @@ def test_mujoco_s_stacks_stand_at_any_size(name: str, edge: float, options: dict
 
 
 def sampled_depth(place: np.ndarray, turn: np.ndarray) -> float:
-    """The least way out over all directions of a fine net: at least the depth, and NET more at most."""
+    """Return the smallest depth over all directions of a fine net: at least the penetration depth, and at most NET more."""
     k = np.arange(60_000) + 0.5
     z, around = 1.0 - 2.0 * k / 60_000, np.pi * (1.0 + np.sqrt(5.0)) * k
     net = np.stack([np.sqrt(1.0 - z * z) * np.cos(around), np.sqrt(1.0 - z * z) * np.sin(around), z], axis=1)
@@ -169,7 +169,7 @@ def sampled_depth(place: np.ndarray, turn: np.ndarray) -> float:
 
 
 def capsules() -> list[tuple[np.ndarray, np.ndarray]]:
-    """Capsules whose middle is in the box, anyhow."""
+    """Return capsules at random orientations with their middle in the box."""
     random = np.random.default_rng(0)
     turns = random.normal(size=(40, 4))
     turns /= np.linalg.norm(turns, axis=1)[:, None]
@@ -177,7 +177,7 @@ def capsules() -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def test_7_mujoco_underrates_a_capsule_deep_in_a_box() -> None:
-    """The trap is real: most depths are wrong, by up to some centimetres."""
+    """The trap exists: most depths are wrong, by up to a few centimetres."""
     model = mujoco.MjModel.from_xml_string(BESIDE)
     data, short = mujoco.MjData(model), []
     for place, turn in capsules():
@@ -201,7 +201,7 @@ def test_7_the_judge_does_not() -> None:
 
 
 def held(integrator: str) -> float:
-    """How deep [m] the servo's hand is in the wall after it was held 10 cm inside for two seconds."""
+    """Return the depth [m] of the servo's hand in the wall after a target 10 cm inside for two seconds."""
     model = mujoco.MjModel.from_xml_string(DRIVEN.format(step=1.0 / 60.0, integrator=integrator))
     data = mujoco.MjData(model)
     for frame in range(120):
@@ -211,7 +211,7 @@ def held(integrator: str) -> float:
 
 
 def test_9_a_servo_with_damping_leaks_through_walls_unless_the_step_is_discrete() -> None:
-    """The trap is real: held in the wall, or thrown out of the world, under IMPLICITFAST."""
+    """The trap exists: under IMPLICITFAST the hand stays in the wall or is thrown out of the world."""
     assert held("implicitfast") > 1e-3
     assert held("discrete") < 1e-4
 
@@ -219,7 +219,7 @@ def test_9_a_servo_with_damping_leaks_through_walls_unless_the_step_is_discrete(
 @pytest.mark.parametrize("preset", ["default", "tuned"])
 @pytest.mark.parametrize("scene", [hand_over_table(), arm()], ids=["hand", "arm"])
 def test_9_no_scene_is_driven_by_an_actuator(scene: Scene, preset: str) -> None:
-    """Links are welded to mocap bodies: no servo, so no damping outside the constraint that a step would leave out."""
+    """Links are welded to mocap bodies: without a servo there is no damping outside the constraint that a step would omit."""
     engine = loaded(MujocoEngine(), scene, Settings(preset))
     model = engine._world.model
     assert model.nu == 0 and model.neq >= len(scene.links)
@@ -228,7 +228,7 @@ def test_9_no_scene_is_driven_by_an_actuator(scene: Scene, preset: str) -> None:
 
 
 def test_mujoco_eliminates_bodies_before_the_lift_that_they_are_on() -> None:
-    """It eliminates the last velocity first; a lift that goes before its load couples all of it, at 100 times the cost."""
+    """The solver eliminates the last velocity first; a lift listed before its load couples all of it, at 100 times the cost."""
     scenario = catalog.get("lift")
     engine = loaded(MujocoEngine(), scenario.build(), Settings("tuned"), scenario.dt)
     model, (_, _, velocities) = engine._model, engine._world.free

@@ -1,4 +1,4 @@
-"""Bodies on a floor, one step per frame: what the tests of restitution and friction throw, and what they see of it."""
+"""Bodies on a floor, one step per frame: setup and states of the tests of restitution and friction."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ from scenarios.building.cases import pair_table
 from tests.agreement.runs import Array, idle, played
 
 GRAVITY = -EARTH[2]
-"""[m/s^2]"""
+"""Gravitational acceleration [m/s^2]."""
 BALL, BALL_MASS = Sphere(0.05), 0.2
 """Ball of 5 cm radius, mass [kg]."""
 RATES = (60, 240, 1000, 4000)
@@ -23,7 +23,7 @@ RATES = (60, 240, 1000, 4000)
 
 @dataclass(frozen=True)
 class Thrown:
-    """One body: its shape, mass [kg], place [m], velocity [m/s] and what holds between it and the floor."""
+    """One body: its shape, mass [kg], position [m], velocity [m/s] and contact law with the floor."""
 
     shape: Shape
     mass: float
@@ -35,7 +35,7 @@ class Thrown:
 
 @dataclass(frozen=True)
 class Seen:
-    """States (F, n, 3) of n bodies: place of the centre [m], velocity [m/s], angular velocity [rad/s]."""
+    """States (F, n, 3) of n bodies: position of the centre [m], velocity [m/s], angular velocity [rad/s]."""
 
     places: Array
     velocities: Array
@@ -43,7 +43,7 @@ class Seen:
 
 
 def over_floor(name: str, thrown: list[Thrown], gravity: float = GRAVITY) -> Scene:
-    """A floor whose top is z = 0, and bodies that do not meet one another. Scenes have the settings of the one of that name."""
+    """Return a floor with its top at z = 0 and bodies that do not meet. The scene has the settings of the one of that name."""
     laws = sorted({(one.law.restitution, one.law.friction) for one in thrown})
     material = {law: f"m{k}" for k, law in enumerate(laws)}
     bodies: list[Body] = [fixed("floor", (Piece(Box((60.0, 60.0, 0.4))),), "floor", (0.0, 0.0, -0.2))]
@@ -58,7 +58,7 @@ def over_floor(name: str, thrown: list[Thrown], gravity: float = GRAVITY) -> Sce
 
 
 def seen(engine: Engine, scene: Scene, rate: int, seconds: float, preset: str = "tuned", **options: object) -> Seen:
-    """All bodies but the first at the start and after every step."""
+    """Return the states of all bodies but the first, at the start and after every step."""
     step = 1.0 / rate
     records = played(engine, scene, idle(scene, round(seconds * rate), step), Settings(preset, {"dt": step, **options}), step)
     shown = [record.shown for record in records]

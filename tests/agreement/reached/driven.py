@@ -1,4 +1,4 @@
-"""Avatars that are led into something, frame after frame, and how deep they are then."""
+"""Avatars that are driven into an obstacle frame by frame, and their depths."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,14 +14,14 @@ from tests.agreement.runs import Array, played, poses
 
 @dataclass(frozen=True)
 class Led:
-    """By frame: the largest depth (F,) of a link in a body [m], and places of links (F, links, 3) [m]."""
+    """By frame: the largest depth (F,) of a link in a body [m], and positions of links (F, links, 3) [m]."""
 
     depths: Array
     places: Array
 
 
 def led(engine: Engine, scene: Scene, path: Callable[[int], TrackerSample], frames: int, options: dict[str, object]) -> Led:
-    """Follow `path` from its first sample on, with the tuned preset."""
+    """Run the tuned preset along `path` from its first sample on."""
     samples = [path(frame) for frame in range(1, frames + 1)]
     records = played(engine, scene, samples, Settings("tuned", options))[1:]
     places, turns = poses(records)

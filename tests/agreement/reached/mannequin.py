@@ -1,4 +1,4 @@
-"""Sixteen links and twenty-two hinges: torso, neck, head and pelvis, arms that point forward at rest, and legs."""
+"""A mannequin of sixteen links and twenty-two hinges: torso, neck, head and pelvis, arms that point forward at rest, legs."""
 
 import numpy as np
 
@@ -29,7 +29,7 @@ def _down(radius: float, length: float) -> tuple[Piece, ...]:
 
 
 def mannequin() -> Avatar:
-    """All its links are capsules."""
+    """Return the mannequin; all its links are capsules."""
     torso = (Piece(Capsule(0.14, 0.3)),)
     links = [Link("torso", None, Free(), torso, solid(torso, 25.0))]
 
@@ -56,7 +56,7 @@ AVATAR = mannequin()
 
 
 def posed(time: float, shoulder: float) -> TrackerSample:
-    """Both arms alike, stretched; shoulders at an angle [rad]."""
+    """Return a sample with both arms stretched and the shoulders at an angle [rad]."""
     angles = []
     for link in AVATAR.links:
         for k in range(len(link.joint.hinges) if isinstance(link.joint, Hinges) else 0):
@@ -67,5 +67,5 @@ def posed(time: float, shoulder: float) -> TrackerSample:
 
 
 def hanging() -> Scene:
-    """The mannequin alone, its arms hanging."""
+    """Return a scene of the mannequin alone, its arms hanging."""
     return Scene("mannequin", (), (AVATAR,), start=posed(0.0, HANGS))

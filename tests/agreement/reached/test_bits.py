@@ -1,5 +1,5 @@
-"""Bits: both engines repeat themselves in this process, in another one and after other scenes; from a state that was kept MuJoCo
-goes on with equal bits, PyBullet does not, and no adapter does.
+"""Reproducibility to the bit: both engines repeat a run in this process, in another one and after other scenes.
+MuJoCo continues from a saved state with equal bits, PyBullet does not, and no adapter does.
 """
 
 import subprocess
@@ -27,12 +27,12 @@ from scenarios.engines import opened
 print(fingerprint(opened({name!r}), {preset!r}))
 """
 BEFORE, AFTER = 100, 100
-"""Steps until the state is kept, and from there on."""
+"""Steps until the state is saved, and after it."""
 KEPT = int(mujoco.mjtState.mjSTATE_INTEGRATION)
 
 
 def fingerprint(engine: Engine, preset: str) -> str:
-    """What a run ends in, as digits of all its bits."""
+    """Return a hash of all bits of the last state of a run."""
     return of_catalog(engine, SCENE, Settings(preset), FRAMES)[1][-1].state_hash()
 
 
@@ -50,7 +50,7 @@ def test_a_run_in_another_process_is_the_same(engine: Engine) -> None:
 
 
 def falling() -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """Balls knocked off balance, BEFORE steps in."""
+    """Return balls knocked off balance, after BEFORE steps."""
     engine = loaded(MujocoEngine(), scene(), Settings("tuned"))
     model, data = engine._model, engine._data
     data.qvel[:6] = 1.0, 0.3, 0.5, 2.0, 1.0, 0.0
@@ -66,7 +66,7 @@ def kept(model: mujoco.MjModel, data: mujoco.MjData, parts: int) -> Array:
 
 
 def gone_on(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
-    """Positions (AFTER, nq) of the steps from here on."""
+    """Return the positions (AFTER, nq) of the following steps."""
     rows = []
     for _ in range(AFTER):
         mujoco.mj_step(model, data)
@@ -98,7 +98,7 @@ def test_mujoco_s_rollout_is_its_loop_bit_for_bit() -> None:
 
 @needs_pybullet
 def test_pybullet_does_not_go_on_from_a_kept_state_as_it_did() -> None:
-    """Boxes that slide over seams; where little touches it does."""
+    """Boxes that slide over seams; with few contacts PyBullet continues with equal bits."""
     scenario = catalog.get("seams")
     world, engine = scenario.build(), PybulletEngine()
     motion = scenario.motion(world, 0)

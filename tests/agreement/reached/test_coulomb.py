@@ -1,7 +1,7 @@
-"""How far a sliding box goes, which way, and whether it then rests: as near to Coulomb's law as each engine is known to come.
+"""Distance and direction of a sliding box, and its speed at rest: as near to Coulomb's law as is known of each engine.
 
-Steps of semi-implicit Euler take half a step's way, v dt / 2, from a slide. That is the step's error and no engine's; what is
-left beside it is the law's.
+Steps of semi-implicit Euler shorten a slide by half a step's distance, v dt / 2. That error is due to the step, not to an engine;
+the remaining error is that of the law.
 """
 
 from functools import cache
@@ -20,7 +20,7 @@ from tests.agreement.rivals import STUDIED, PybulletEngine
 SPEED, FRICTION = 2.0, 0.3
 """First speed [m/s] and coefficient of friction."""
 WAY = SPEED**2 / (2.0 * FRICTION * GRAVITY)
-"""Coulomb's way to rest [m]."""
+"""Distance to rest by Coulomb's law [m]."""
 ANGLES = (0.0, 22.5, 45.0)
 """Directions [deg] from the box's x axis."""
 SHAPE = Box((0.2, 0.2, 0.05))
@@ -28,24 +28,24 @@ TOTAL = {
     "mujoco": {60: -2.35, 240: -0.61, 1000: -0.15, 4000: -0.035},
     "pybullet": {60: 2.57, 240: -0.46, 1000: -0.14, 4000: -0.037},
 }
-"""Known error of the way along x [%], by steps per second."""
+"""Known error of the distance along x [%], by steps per second."""
 DIGIT = {60: 0.005, 240: 0.005, 1000: 0.005, 4000: 0.0005}
 """Half of its last digit [%]."""
 ASKEW = {"mujoco": -0.15, "pybullet": -0.14}
-"""Known error of the way in any direction at 1/1000 [%]."""
+"""Known error of the distance in any direction at 1/1000 [%]."""
 PYRAMID = {22.5: 22.0, 45.0: 41.0}
-"""How much farther than along x a box is known to slide on MuJoCo's pyramid [%], by direction [deg]."""
+"""Known excess of a box's distance on MuJoCo's pyramid over that along x [%], by direction [deg]."""
 RESTS = {"mujoco": (1e-7,) * 3, "pybullet": (1e-4, 2.5e-5, 2.5e-5)}
-"""Known speed [m/s] of a box at rest that slid along x, to its last digit, at 1/60, 1/240 and 1/1000. PyBullet's is twice that
-where the box came from 22.5 degrees."""
+"""Known speed [m/s] of a box at rest that slid along x, to its last digit, at 1/60, 1/240 and 1/1000.
+PyBullet's is twice that for a box that slid at 22.5 degrees."""
 LAW: dict[str, tuple[float, dict[str, object]]] = {"mujoco": (0.3, {}), "pybullet": (0.0, {"processing_threshold": 1.0})}
-"""Restitution between box and floor, and settings beside the preset: MuJoCo's friction of pairs that could bounce is hard and
-lifts the box by 3 cm on its way, that of others is soft; PyBullet's contacts act early, as in the catalogue's `stop_distance`."""
+"""Restitution between box and floor, and overrides of the preset. MuJoCo's friction of pairs that can bounce is hard and
+lifts the box by 3 cm while it slides, that of others is soft; PyBullet's contacts act early, as in the scene `stop_distance`."""
 
 
 @cache
 def slid(name: str, rate: int, restitution: float, cone: str = "ELLIPTIC") -> Seen:
-    """A box in each direction until it has long stopped."""
+    """Return the states of a box in each direction until long after it stopped."""
     engine: Engine = MujocoEngine() if name == "mujoco" else PybulletEngine()
     boxes = [
         Thrown(SHAPE, 1.0, (0.0, 3.0 * k, 0.5 * SHAPE.size[2]), (SPEED * cos(radians(angle)), SPEED * sin(radians(angle)), 0.0),
@@ -57,13 +57,13 @@ def slid(name: str, rate: int, restitution: float, cone: str = "ELLIPTIC") -> Se
 
 
 def errors(found: Seen) -> np.ndarray:
-    """Error of each way (3,) [%]."""
+    """Return the error of each distance (3,) [%]."""
     ways = np.linalg.norm(found.places[-1, :, :2] - found.places[0, :, :2], axis=1)
     return 100.0 * (ways / WAY - 1.0)
 
 
 def half_a_step(rate: int) -> float:
-    """The step's own error of a way [%]."""
+    """Return the error of a distance that is due to the step [%]."""
     return -100.0 * 0.5 * SPEED / rate / WAY
 
 
@@ -89,7 +89,7 @@ def test_no_direction_is_worse(engine: Engine) -> None:
 
 
 def test_the_pyramid_is_worse_by_as_much_as_is_known() -> None:
-    """Why no tuned preset has it."""
+    """This is the reason why no tuned preset uses the pyramid."""
     found = errors(slid("mujoco", 1000, 0.3, "PYRAMIDAL"))
     for k, angle in enumerate(ANGLES[1:], start=1):
         assert found[k] == pytest.approx(PYRAMID[angle], abs=1.0)

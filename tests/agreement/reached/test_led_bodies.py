@@ -1,7 +1,7 @@
-"""A ball is led 10 cm into a wall at 1 m/s, and a hand of fifteen ellipsoids 10 cm into a table and along it: as deep, and as
-late, as each engine is known to be at its best.
+"""Depth and lag of driven bodies equal the known best of each engine.
 
-Known of MuJoCo is the best of eleven ways to drive a body (mocap body and weld, servo, velocities), of PyBullet of six.
+A ball is driven 10 cm into a wall at 1 m/s, and a hand of fifteen ellipsoids 10 cm into a table and along it. The known best of
+MuJoCo is over eleven ways to drive a body (mocap body and weld, servo, velocities), of PyBullet over six.
 """
 
 import numpy as np
@@ -22,27 +22,27 @@ from tests.agreement.runs import FRAME, MM
 RATES = pytest.mark.parametrize("rate", [60, 240, 1000])
 """Steps per second."""
 RADIUS, MASS, FACE, DEEP, SPEED = 0.03, 0.5, 0.2, 0.1, 1.0
-"""Of the ball [m], [kg]; where the wall begins [m], how far the ball is led into it [m], how fast [m/s]."""
+"""Radius [m] and mass [kg] of the ball; position of the wall's face [m], target depth in the wall [m], speed [m/s]."""
 FREE = slice(3, 9)
-"""Frames in which the way is free and the motion steady."""
+"""Frames without contact in steady motion."""
 BALL = {
     "mujoco": {60: (3.1, 0.03, 37.0), 240: (0.04, 0.03, 16.0), 1000: (1.0, 0.03, 4.0)},
     "pybullet": {60: (0.01, 0.01, 0.1), 240: (0.01, 0.01, 0.1), 1000: (0.01, 0.01, 0.1)},
 }
-"""Known depth of the ball at most and while it is pressed, and lag in free motion [mm], by steps per second."""
+"""Known maximum depth of the ball, depth while it is pressed, and lag in free motion [mm], by steps per second."""
 HAND = {
     "mujoco": {60: (8.5, 0.18), 240: (1.6, 0.08), 1000: (0.17, 0.0)},
     "pybullet": {60: (0.69, 0.009), 240: (0.02, 0.009), 1000: (0.01, 0.009)},
 }
-"""Known depth of the hand at most, and its median while it is pressed [mm]: the best of each column of the settings that stay on
-their side of the table."""
+"""Known maximum depth of the hand, and its median while it is pressed [mm].
+Each column has the best of the settings that stay on their side of the table."""
 COARSE: dict[str, dict[str, object]] = {
     "mujoco": {
         "integrator": "DISCRETE", "refsafe": False, "contact": "soft", "contact_steps": 0.1, "lead": 0.0, "weld_time": 0.04,
     },
     "pybullet": {"breaking_threshold": 0.2},
 }
-"""Settings of the hand at 1/60, whose steps are longer than a contact looks ahead."""
+"""Settings of the hand at 1/60, where a step is longer than the look-ahead of a contact."""
 
 
 def led_to(place: tuple[float, float, float], frame: int) -> TrackerSample:
@@ -50,12 +50,12 @@ def led_to(place: tuple[float, float, float], frame: int) -> TrackerSample:
 
 
 def ball_at(frame: int) -> TrackerSample:
-    """Straight in along x."""
+    """Return the sample of the ball's motion along x, straight into the wall."""
     return led_to((min(SPEED * FRAME * frame, FACE - RADIUS + DEEP), 0.0, 0.0), frame)
 
 
 def hand_at(frame: int) -> TrackerSample:
-    """From 10 cm above the table, which its palm touches at 14 mm, to 10 cm below within 0.3 s, then 20 cm along."""
+    """Return the hand's sample: 10 cm above the table (the palm touches at 14 mm), 10 cm below after 0.3 s, then 20 cm along."""
     time = FRAME * frame
     down, along = (min(1.0, max(0.0, share)) for share in ((time - 0.1) / 0.3, (time - 0.5) / 0.4))
     return led_to((0.2 * along, 0.0, 0.114 - 0.2 * down), frame)
@@ -87,5 +87,5 @@ def test_a_hand_is_no_deeper_than_known(engine: Engine, rate: int) -> None:
     assert found.depths.max() <= most * MM
     # a median of 0.00 is known to its last digit; the hand meets the table after a quarter of a second
     assert np.median(found.depths[15:]) <= max(usual, 5e-3) * MM
-    # no overlap is also what a hand below the table has
+    # a hand below the table has no overlap either
     assert found.places[:, 0, 2].min() > 0.0

@@ -1,5 +1,5 @@
-"""Restitution that MuJoCo's one-step damper is known to reach between other bodies, at other speeds, beside friction; and where
-it is known to fail. PyBullet's from the slowest impact on."""
+"""Restitution that MuJoCo's one-step damper is known to reach between other bodies, at other speeds, with friction.
+Also the cases in which it is known to fail, and PyBullet's restitution from the slowest impact on."""
 
 from math import sqrt
 
@@ -21,18 +21,18 @@ BOX = Box((0.1, 0.1, 0.1))
 FALLING = (1.0, 2.0, 4.0, 8.0)
 """Impact speeds [m/s] under gravity."""
 CREEP = 4e-3
-"""Speed [m/s] at which a box of restitution 0.8 is known to creep where it rests, at 1/1000."""
+"""Known speed [m/s] at which a resting box of restitution 0.8 creeps, at 1/1000."""
 
 
 def after(found: Seen, body: int = 0) -> float:
-    """v+/v- across the step in which a body begins to rise; 0 if it never does."""
+    """Return v+/v- across the step in which a body begins to rise; 0 if it never does."""
     speed = found.velocities[:, body, 2]
     k = int(np.argmax(speed > 1e-9))
     return float(speed[k] / -speed[k - 1]) if k else 0.0
 
 
 def bounced(engine: Engine, speed: float, rate: int, **options: object) -> float:
-    """v+/v- of a ball of restitution 0.5 that meets the floor at a speed [m/s], without gravity."""
+    """Return v+/v- of a ball of restitution 0.5 that meets the floor at a speed [m/s], without gravity."""
     ball = Thrown(BALL, BALL_MASS, (0.0, 0.0, BALL.radius + 0.02 * speed), (0.0, 0.0, -speed), HALF)
     return after(seen(engine, over_floor("slow", [ball], gravity=0.0), rate, 0.1, **options))
 
@@ -48,13 +48,13 @@ def test_two_free_spheres_part_at_half_their_speed(other: float) -> None:
     step = 1.0 / 240.0
     settings = Settings("tuned", {"dt": step, "kappa": 0.0})
     velocities = played(MujocoEngine(), scene, idle(scene, 40, step), settings, step)[-1].shown.velocities
-    # to seven decimals of the speed they met at
+    # to seven decimals of the impact speed
     assert velocities[1, 0] - velocities[0, 0] == pytest.approx(0.5, abs=2e-7)
 
 
 @pytest.mark.parametrize("tilt", [0.0, 45.0])
 def test_a_box_that_lands_on_four_corners_or_on_two_leaves_with_half_its_speed(tilt: float) -> None:
-    """Its lowest points are as fast as its centre, which is above the middle of them."""
+    """The lowest points are as fast as the centre, which is above the middle of them."""
     low = 0.5 * BOX.size[2] if tilt == 0.0 else 0.5 * sqrt(2.0) * BOX.size[2]
     box = Thrown(BOX, 1.0, (0.0, 0.0, low + 0.1), (0.0, 0.0, -2.0), HALF, turned_by((1.0, 0.0, 0.0), np.radians(tilt)))
     assert after(seen(MujocoEngine(), over_floor("box", [box]), 240, 0.2, kappa=0.0)) == pytest.approx(0.5, abs=1.5e-4)
@@ -67,7 +67,7 @@ def test_slow_impacts_bounce_as_fast_ones_do(speed: float, rate: int) -> None:
 
 
 def test_with_gravity_impacts_of_any_speed_are_within_the_known_range() -> None:
-    """0.499 to 0.514 at 1/240, seen at the surface of the fall."""
+    """The known range is 0.499 to 0.514 at 1/240, measured at the surface of the fall."""
     balls = [Thrown(BALL, BALL_MASS, (float(k), 0.0, BALL.radius + 0.05), (0.0, 0.0, -speed), HALF)
              for k, speed in enumerate(FALLING)]
     found = seen(MujocoEngine(), over_floor("falling", balls), 240, 0.1, kappa=0.0)
@@ -78,7 +78,7 @@ def test_with_gravity_impacts_of_any_speed_are_within_the_known_range() -> None:
 @pytest.mark.parametrize("integrator", ["DISCRETE", "RK4"])
 @pytest.mark.parametrize("rate", [240, 1000])
 def test_the_damper_does_not_bounce_under_other_integrators(integrator: str, rate: int) -> None:
-    """Why scenes with bounces have neither: known of version 4, and the same here."""
+    """Scenes with bounces use neither for this reason: known of version 4, and still true."""
     ball = Thrown(BALL, BALL_MASS, (0.0, 0.0, BALL.radius + 0.1), (0.0, 0.0, -4.0), HALF)
     found = seen(MujocoEngine(), over_floor("dead", [ball]), rate, 0.1, kappa=0.0, integrator=integrator)
     assert after(found) < 0.05
@@ -86,7 +86,7 @@ def test_the_damper_does_not_bounce_under_other_integrators(integrator: str, rat
 
 @pytest.mark.parametrize(("restitution", "error"), [(0.3, 0.0061), (0.8, 0.0065)])
 def test_bouncing_boxes_slide_as_far_as_others(restitution: float, error: float) -> None:
-    """0.61 and 0.6 % short at 1/240, of which half a step's way is 0.61; without a friction of its own it is 5.3 at 0.8."""
+    """The slide is 0.61 and 0.6 % short at 1/240, 0.61 due to half a step; without its own friction it is 5.3 % at 0.8."""
     box = Thrown(Box((0.2, 0.2, 0.05)), 1.0, (0.0, 0.0, 0.025), (2.0, 0.0, 0.0), ContactLaw(restitution, 0.3))
     found = seen(MujocoEngine(), over_floor("slide", [box]), 240, 1.5)
     way = found.places[-1, 0, 0] - found.places[0, 0, 0]

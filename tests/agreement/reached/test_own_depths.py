@@ -1,7 +1,7 @@
-"""What engines say of their own overlap, and what the judge finds at the same poses: they are known to agree when asked right.
+"""Overlap by the engines' own functions against the judge's at the same poses: known to agree if those are called correctly.
 
-MuJoCo is asked for the distance of geoms at the poses that are shown: its contacts are a step old, and where it makes several of
-a pair they are up to 3e-6 m off. PyBullet's closest points are off by the margin that its hulls are left.
+MuJoCo's overlap is the distance of geoms at the shown poses: its contacts are one step old, and several contacts of one pair are
+up to 3e-6 m off. PyBullet's closest points are off by the remaining margin of its hulls.
 """
 
 from collections.abc import Callable
@@ -20,13 +20,13 @@ FRAMES = 40
 AGREES = {"mujoco": 1e-10, "pybullet": 1e-6}
 """Known difference of the deepest overlap of hulls and a box [m], median over frames."""
 DIGIT = 1.5
-"""Figures of one digit, as multiples."""
+"""Factor on a figure that is known to one digit."""
 SOFT: dict[str, object] = {"dt": FRAME, "hand_force": 5000.0, "pieces_as_links": False}
-"""Settings of PyBullet with which a hand overlaps a table at all."""
+"""Settings of PyBullet with which a hand does overlap a table."""
 
 
 def of_mujoco(engine: MujocoEngine) -> float:
-    """Depth [m] of the deepest geom in the table, at the poses that are shown."""
+    """Return the depth [m] of the deepest geom in the table, at the shown poses."""
     model, data = engine._world.model, engine._data
     mujoco.mj_kinematics(model, data)
     *hand, table = range(model.ngeom)
@@ -34,14 +34,14 @@ def of_mujoco(engine: MujocoEngine) -> float:
 
 
 def of_pybullet(engine: object) -> float:
-    """Deepest of the closest points [m] at the poses that are shown."""
+    """Return the largest depth of the closest points [m] at the shown poses."""
     client, parts = engine._client, engine._world.parts  # type: ignore[attr-defined]
     found = pybullet.getClosestPoints(parts[0].body, parts[1].body, 0.01, physicsClientId=client)
     return max((-point[8] for point in found), default=0.0)
 
 
 def differences(engine: MujocoEngine, preset: str, options: dict[str, object], own: Callable[..., float]) -> list[float]:
-    """By how much an engine and the judge differ [m], in frames in which the judge finds more than a tenth of a millimetre."""
+    """Return differences of an engine and the judge [m], in frames in which the judge finds more than a tenth of a millimetre."""
     scene = hand_over_table()
     judge, found = Judge(scene), []
     engine.load(scene, Settings(preset, options), FRAME)

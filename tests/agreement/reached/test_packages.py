@@ -1,4 +1,4 @@
-"""What is known of the packages themselves, in the pinned versions: their defaults, and that they work beside numpy 2."""
+"""Known properties of the packages in the pinned versions: their defaults, and that they work with numpy 2."""
 
 import subprocess
 import sys
@@ -12,7 +12,7 @@ from reference.in_mujoco.presets import DEFAULT
 
 ROOT = Path(__file__).resolve().parents[3]
 WARNINGS = ("-W", "error::RuntimeWarning", "-W", "error::UserWarning")
-"""Those by which a package says that it was built for another NumPy."""
+"""Options that turn the warnings of a package built for another NumPy into errors."""
 ONE_BALL = "<mujoco><worldbody><body><freejoint/><geom size='1'/></body></worldbody></mujoco>"
 
 

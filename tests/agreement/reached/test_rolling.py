@@ -1,4 +1,4 @@
-"""A ball that begins to slide rolls in the end at 5/7 of its speed; one that bounces off obliquely loses what Coulomb says."""
+"""A sliding ball finally rolls at 5/7 of its speed; the speed lost in an oblique bounce follows Coulomb's law."""
 
 import numpy as np
 import pytest
@@ -17,18 +17,18 @@ ROLLS_AT = {
     "mujoco": {60: 0.71163, 240: 0.71314, 1000: 0.71418},
     "pybullet": {60: 0.71429, 240: 0.71429, 1000: 0.71429},
 }
-"""Known share of the first speed that is left, by steps per second."""
+"""Known remaining share of the first speed, by steps per second."""
 LAST_DIGIT = 5e-6
 TOUCHES = 1e-9
-"""Depth [m] of the ball at first: it is in contact from the first step on. One that only touches sinks for a step before it is
-found, which at 1/60 is as much as the table's error."""
+"""Initial depth [m] of the ball: it is in contact from the first step on.
+A ball that only touches sinks for one step before its contact is found, which at 1/60 is as large as the table's error."""
 STRIKES = (2.0, 4.0)
 """Velocity [m/s] along and down of the ball that bounces, from 5 cm above the floor."""
 OBLIQUE = ContactLaw(0.3, 0.1)
 LOST_TOO_MUCH = 0.006
-"""Known error [m/s] of the speed along the floor that is lost in the oblique bounce at 1/240, of 0.536."""
+"""Known error [m/s] of the speed along the floor that the oblique bounce at 1/240 loses; the exact loss is 0.536."""
 BOUNCED = 0.304
-"""Known restitution there, of 0.3."""
+"""Known restitution of that bounce; the exact one is 0.3."""
 
 
 @STUDIED
@@ -44,7 +44,7 @@ def test_a_sliding_ball_rolls_in_time_at_as_near_to_five_sevenths_of_its_speed_a
     # MuJoCo's friction of balls that cannot bounce is softer: the rest of the slip dies out in 20 steps
     if restitution == (0.3 if engine.name == "mujoco" else 0.0):
         slip = found.velocities[:, 0, 0] - BALL.radius * found.spins[:, 0, 1]
-        # less is left than friction takes in half a step
+        # the rest is less than friction removes in half a step
         ends = int(np.argmax(slip < 0.5 * 3.5 * FRICTION * GRAVITY / rate)) / rate
         assert ends == pytest.approx(ROLLS_FROM, abs=1.0 / rate)
 

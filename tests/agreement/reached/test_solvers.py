@@ -1,4 +1,4 @@
-"""Solver, warm start and islands of an engine: whichever it takes, its results are the same to noise.
+"""Solver, warm start and islands of an engine: the results agree for each choice, apart from noise.
 
 A hand of fifteen ellipsoids is pressed on a table and moved along it, against a ball: friction, many contacts, two islands.
 """
@@ -19,13 +19,13 @@ from tests.agreement.scenes import hand_over_table, pressed
 
 RATE, FRAMES = 240, 75
 EARLY: dict[str, object] = {"margin": 0.004}
-"""Contacts of the hand begin [m] before the ball is met: at 1 mm every digit decides whether it is met a second time."""
+"""Gap [m] at which contacts of the hand begin: at 1 mm every digit decides whether the hand meets the ball a second time."""
 NOISE = 1e-3
-"""Of the largest depth, between two solvers [mm]."""
+"""Largest difference of the largest depth between two solvers [mm]."""
 
 
 def scene() -> Scene:
-    """The ball lies in the hand's way, and a second one out of it."""
+    """Return a scene with one ball in the path of the hand, and a second one outside it."""
     ball = (Piece(Sphere(0.04)),)
     places = {"ball": (0.25, 0.0, 0.04), "other": (0.5, 0.3, 0.04)}
     balls = [simulated(name, ball, "wood", solid(ball, 0.2), place) for name, place in places.items()]
@@ -34,7 +34,7 @@ def scene() -> Scene:
 
 
 def deepest(engine: MujocoEngine | PybulletEngine, options: dict[str, object], **engine_s_own: float) -> float:
-    """Largest depth [m] of any two bodies in any frame."""
+    """Return the largest depth [m] of any two bodies in any frame."""
     world = scene()
     engine.load(world, Settings("tuned", {"dt": 1.0 / RATE, **options}), FRAME)
     if engine_s_own:
@@ -50,7 +50,7 @@ def usual(name: str) -> float:
     return deepest(MujocoEngine(), EARLY) if name == "mujoco" else deepest(PybulletEngine(), {})
 
 
-# conjugate gradients take more iterations than Newton: with its 100 they stop before they have converged, on some processors
+# conjugate gradients need more iterations than Newton: limited to 100 they stop before convergence on some processors
 @pytest.mark.parametrize("options", [
     {"solver": "CG", "iterations": 400}, {"solver": "PGS"}, {"islands": False}, {"warm_starts": False}, {"iterations": 30},
     {"tolerance": 1e-12},
