@@ -1,4 +1,4 @@
-"""A small run made by hand: three scenes, four engines, one of everything that can go wrong."""
+"""A small run made by hand: three scenes, four engines, and one case of each fault."""
 
 import json
 import math
@@ -11,7 +11,7 @@ Json = dict[str, object]
 
 
 def row(scenario: str, run: str, metric: str, value: float | None, unit: str = "", **more: object) -> Json:
-    """One row of results.json; status is info unless said otherwise."""
+    """Return one row of results.json; the default status is info."""
     engine, preset = run.split("/")
     plain: Json = {"seed": 0, "frames": 200, "bound": None, "ceiling": None, "status": "info", "note": ""}
     named: Json = {"scenario": scenario, "engine": engine, "preset": preset, "metric": metric, "value": value, "unit": unit}
@@ -19,7 +19,7 @@ def row(scenario: str, run: str, metric: str, value: float | None, unit: str = "
 
 
 def whole_run() -> Json:
-    """results.json of a run in which one bound holds, one fails, one engine crashes and one frame is NaN."""
+    """Return results.json of a run in which one bound passes, one fails, one engine crashes and one frame is NaN."""
     rows: list[Json] = []
     series: dict[str, dict[str, Json]] = {}
     sizes = {"avatarsim/default": 3e-7, "mujoco/default": 4e-3, "mujoco/tuned": 6e-5, "pybullet/default": 1e-5}
@@ -62,13 +62,13 @@ def whole_run() -> Json:
 
 @pytest.fixture
 def results() -> Json:
-    """results.json as a dictionary that a test may change before it writes it."""
+    """Return results.json as a dictionary that a test may change before writing it."""
     return whole_run()
 
 
 @pytest.fixture
 def run_dir(tmp_path: Path) -> Callable[[object], Path]:
-    """Writes a results.json (anything json can write, NaN included) and returns its folder."""
+    """Return a function that writes a results.json (anything json can write, NaN included) and returns its folder."""
     numbers = iter(range(9))
 
     def write(data: object) -> Path:

@@ -20,14 +20,14 @@ BODIES = [
 
 
 def scene(folder: Path, name: str, **change: object) -> None:
-    """Write the file of the scene, with some of its fields changed."""
+    """Write the file of the scene with some fields changed."""
     (folder / "scenes").mkdir(exist_ok=True)
     whole = {"schema_version": 1, "scene": name, "gravity": [0.0, 0.0, -10.0], "bodies": BODIES} | change
     (folder / "scenes" / f"{name}.json").write_text(json.dumps(whole))
 
 
 def recording(folder: Path, name: str, run: str, states: int = STATES, sinks: bool = False) -> None:
-    """Write a recording: the ball falls freely from 1 m, the hand goes down with the tracker; and the pairs if it `sinks`."""
+    """Write a recording: the ball falls freely from 1 m, the hand moves down with the tracker; with `sinks`, also the pairs."""
     times = np.arange(states) / 60.0
     positions = np.zeros((states, 3, 3))
     positions[:, 1, 2] = 1.0 - 5.0 * times**2

@@ -1,4 +1,4 @@
-"""Runs of a few figures, made by hand: rows for tables, and the files that other commands add to a folder."""
+"""Small runs made by hand: rows for tables, and the files that other commands add to a folder."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ HOST: Mapping[str, object] = {"cpu": "Abacus 9", "cpus": 2, "platform": "Linux",
 
 OVERLAP = "residual_overlap_max"
 OURS, MUJOCO, BULLET, RAW = "avatarsim/default", "mujoco/tuned", "pybullet/tuned", "tracker/default"
-"""A metric and runs."""
+"""A metric and names of runs."""
 
 
 def figure(
@@ -53,7 +53,7 @@ TRIAL: Mapping[str, float] = {OVERLAP: 0.0, "energy_added_max": 0.0, "not_finite
 
 @dataclass(frozen=True)
 class Part:
-    """One run of a study: its figures, or its state where it has none."""
+    """One run of a study: its figures, or its status if it has none."""
 
     scenario: str
     run: str
@@ -64,7 +64,7 @@ class Part:
     bounds: Mapping[str, float] = field(default_factory=dict)
 
     def rows(self, study: str) -> list[Row]:
-        """Rows of the table."""
+        """Return the rows of the table."""
         engine, _, preset = self.run.partition("/")
         head = Head(study, self.scenario, engine, preset, self.change, self.options)
         if self.status != "info":

@@ -1,4 +1,4 @@
-"""The commands of reports: exit codes, files, and an error in one sentence for what cannot be read."""
+"""The commands of reports: exit codes, files, and an error in one sentence for unreadable input."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -16,7 +16,7 @@ PAGES = {"index.html", "method.html", "engines.html", "glossary.html", "summary.
 
 
 def worse_run(results: Json) -> Json:
-    """The run with our overlap in the first scene grown."""
+    """Return the run with a larger overlap of our engine in the first scene."""
     rows = results["rows"]
     assert isinstance(rows, list)
     return results | {"rows": [{**rows[0], "value": 1e-3}, *rows[1:]]}

@@ -1,4 +1,4 @@
-"""Every chart is a specification that Vega-Lite takes, of colours that both themes have."""
+"""Every chart is a valid Vega-Lite specification, with colours of both themes."""
 
 import json
 import math
@@ -30,13 +30,13 @@ TOKEN = re.compile(r"@(\w+)")
 
 
 def run(worst: float | None = 2e-3) -> Run:
-    """A run with one of each metric that a strip shows, in five engines; the last has the worst value."""
+    """Return a run with each metric of the strips in five engines; the last has the worst value."""
     rows = [figure("a", one, chart.metric, 0.1 * k) for chart in strips.STRIPS.values() for k, one in enumerate(RUNS)]
     return run_of([*rows, figure("b", OURS, OVERLAP, worst, "fail", 1e-6), figure("b", MUJOCO, OVERLAP, 0.0)])
 
 
 def over_time(lines: Mapping[str, tuple[np.ndarray, np.ndarray]], unit: str, floor: float | None = None) -> marks.Spec:
-    """Lines over time with the data that the page makes of their columns."""
+    """Return lines over time with the data that the page builds from their columns."""
     spec = curves.over_time(lines, curves.dashes(list(lines)), unit, "some words", floor)
     columns = spec["usermeta"]["lines"].items()
     rows = [{"t": t, "v": v, "run": run} for run, one in columns for t, v in zip(one["t"], one["v"], strict=True)]
@@ -44,7 +44,7 @@ def over_time(lines: Mapping[str, tuple[np.ndarray, np.ndarray]], unit: str, flo
 
 
 def specifications(folder: Path) -> dict[str, marks.Spec]:
-    """One of every chart."""
+    """Return one specification of every chart."""
     made = run()
     write_all(folder)
     table, switched = by_case(folder), effects(folder)
@@ -60,7 +60,7 @@ def specifications(folder: Path) -> dict[str, marks.Spec]:
 
 
 def texts(part: Any) -> Iterator[str]:
-    """All texts in a specification but those of its data."""
+    """Yield all texts in a specification except those of its data."""
     if isinstance(part, str):
         yield part
     elif isinstance(part, Mapping):
@@ -121,7 +121,7 @@ def test_the_largest_value_survives_thinning(count: int, draw: st.DataObject) ->
 
 
 def test_a_dot_of_few_frames_is_filled_and_says_so() -> None:
-    """All engines are timed over the same frames of a scene; that they are few makes tails rough, and not unequal."""
+    """All engines are timed over the same frames of a scene; few frames make tails inaccurate, but still comparable."""
     few = [figure("a", one, "frame_time_p95", 1.0, note="3 x 90 frames") for one in (OURS, MUJOCO)]
     values = strips.strip(run_of(few), strips.STRIPS["time"], "x")["data"]["values"]
     assert [(dot["even"], dot["counted"], dot["why"]) for dot in values] == [(True, True, f"yes; {FEW_FRAMES}")] * 2

@@ -20,7 +20,7 @@ Recorded = tuple[Drawn, Shown, Shown]
 
 @pytest.fixture
 def found(tmp_path: Path) -> Recorded:
-    """The scene, our recording and another one, which sinks."""
+    """Return the scene, our recording and another one, in which the hand sinks into the slab."""
     scene(tmp_path, "falls")
     for run in (OURS, MUJOCO):
         recording(tmp_path, "falls", run, sinks=run == MUJOCO)
@@ -31,7 +31,7 @@ def found(tmp_path: Path) -> Recorded:
 
 
 def styles(svg: str) -> Counter[str]:
-    """Number of parts of each style."""
+    """Return the number of parts of each style."""
     return Counter(node.attrib["class"] for node in ElementTree.fromstring(svg))
 
 
@@ -42,7 +42,7 @@ def paths(svg: str) -> str:
 def test_every_body_is_drawn_in_its_role_inside_the_frame(found: Recorded) -> None:
     svg = thumbnail(*found[:2], 9, -1.0, 'A "scene" <of> three.')
     assert styles(svg)["s2"] == styles(svg)["d2"] == 1
-    # three sides of the slab look towards an eye above
+    # three sides of the slab face a viewpoint above
     assert sum(number for style, number in styles(svg).items() if style[0] == "f") == 3
     assert len(svg) < 2000 and ElementTree.fromstring(svg).attrib["aria-label"] == 'A "scene" <of> three.'
     numbers = [float(text) for text in re.findall(r'(?<=[ML,"])-?\d+(?=[,LZ"])', paths(svg))]
@@ -73,7 +73,7 @@ def test_the_instant_of_stills_is_that_of_the_deepest_overlap_of_another_engine(
     assert instant([ours, other], OURS) == 10
     deeper = replace(ours, pairs=[(3, 2, 0, 9.0)])
     assert instant([deeper, other], OURS) == 10 and instant([deeper, other], MUJOCO) == 3
-    # without overlap it is the middle, and within a short recording
+    # without overlap it is the middle, within a short recording
     assert instant([ours], OURS) == STATES // 2
     assert instant([replace(ours, times=ours.times[:4]), other], OURS) in range(4)
 

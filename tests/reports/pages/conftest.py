@@ -1,4 +1,4 @@
-"""One report of a small run with recordings, and of each file that other commands add."""
+"""A report of a small run with recordings and each file that other commands add."""
 
 import json
 from pathlib import Path
@@ -12,7 +12,7 @@ from tests.reports.small_runs import OURS, write_all
 
 
 def filled(folder: Path, **change: object) -> Path:
-    """Write a run with recordings of two engines in one scene, and what other commands add; return its folder."""
+    """Write a run with recordings of two engines in one scene and the files of other commands; return its folder."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "results.json").write_text(json.dumps(whole_run() | change), encoding="utf-8")
     (folder / "results.csv").write_text("scenario,engine\n", encoding="utf-8")
@@ -25,7 +25,7 @@ def filled(folder: Path, **change: object) -> Path:
 
 @pytest.fixture(scope="session")
 def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder of a report that a test reads and leaves as it is."""
+    """Return the folder of a report that tests read and do not change."""
     folder = filled(tmp_path_factory.mktemp("run"))
     assert write_report(folder, filled(tmp_path_factory.mktemp("before"))) == ()
     return folder

@@ -1,4 +1,4 @@
-"""A page as a reader and a browser see it."""
+"""A page as seen by a reader and a browser."""
 
 import json
 from html.parser import HTMLParser
@@ -13,8 +13,8 @@ ADDRESSES = ("href", "src", "xlink:href", "action", "srcset", "data")
 
 
 class Page(HTMLParser):
-    """Parts of a page: ids, links (tag, attribute, address), texts of table cells, all visible text, scripts (type, text), the
-    policy of security, and tags left open or closed out of order."""
+    """Parts of a page: ids, links, texts and tags.
+    Links (tag, attribute, address), table cells, visible text, scripts (type, text), security policy, unbalanced tags."""
 
     def __init__(self, html: str) -> None:
         super().__init__()
@@ -62,6 +62,6 @@ def read(path: Path) -> Page:
 
 
 def data_of(path: Path) -> list[Any]:
-    """Data of a page; the test fails where a number is none that JSON has."""
+    """Return the data of a page; a number that JSON does not have fails the test."""
     scripts = read(path).scripts
     return [json.loads(text, parse_constant=pytest.fail) for kind, text in scripts if kind == "application/json"]

@@ -1,4 +1,4 @@
-"""Damaged files cost their scene or section, and are named; the rest of the report is there."""
+"""A damaged file removes only its scene or section, and is named; the rest of the report is complete."""
 
 from pathlib import Path
 
@@ -19,7 +19,7 @@ PAGES = {"index.html", "method.html", "engines.html", "glossary.html"}
 
 
 def spoil(path: Path, how: str) -> None:
-    """Cut a file in half, empty it, or put something else in its place."""
+    """Cut a file in half, empty it, or replace it."""
     content = path.read_bytes()
     path.write_bytes({"cut": content[: len(content) // 2], "empty": b"", "other": b"\x00\xff\xfe{}" * 9}[how])
 
@@ -32,7 +32,7 @@ def test_a_damaged_file_is_named_and_all_pages_are_there(tmp_path: Path, name: s
     damage = write_report(folder)
     assert PAGES <= {path.name for path in folder.glob("*.html")} and len(list(folder.glob("scenes/*.html"))) == 3
     if name == "growth.csv" or (how == "cut" and name.endswith(".csv")):
-        # half a table may still be a table
+        # half a table may still be a valid table
         return
     stem = "mujoco/tuned" if name.startswith("overlaps") else "arm_wall" if name.startswith(("recordings", "scenes")) else name
     assert len(damage) >= 1 and any(stem in said or Path(name).name in said for said in damage)

@@ -1,4 +1,4 @@
-"""A report is whole: its pages exist, lead to one another, fetch nothing and show no raw word for a missing number."""
+"""A report is complete: its pages exist, link to each other, fetch nothing and show no raw word for a missing number."""
 
 import base64
 import hashlib
@@ -18,7 +18,7 @@ SCENES = ("arm_wall", "hand_over_table", "ball_drop")
 
 @pytest.fixture(scope="session")
 def pages(report: Path) -> dict[str, Page]:
-    """All pages by path."""
+    """Return all pages by path."""
     return {str(path.relative_to(report)): read(path) for path in sorted(report.rglob("*.html"))}
 
 
@@ -77,7 +77,7 @@ def test_no_cell_shows_a_raw_word_for_a_missing_number(pages: dict[str, Page]) -
         shown += len(page.cells)
         for cell in page.cells:
             words = cell.split()
-            # a definition may speak of infinity; a figure has a value, a unit and a mark
+            # a definition may mention infinity; a figure has a value, a unit and a mark
             assert len(words) > 3 or not RAW_WORDS & set(words), (name, cell)
     assert shown > 100
 

@@ -1,4 +1,4 @@
-"""Data inside a page comes out as it went in, and cannot end its element."""
+"""Data in a page is read back unchanged, and cannot close its element."""
 
 import base64
 import gzip

@@ -1,4 +1,4 @@
-"""Texts from outside stay text, and files stay inside their folder."""
+"""Texts from outside remain text, and files remain inside their folder."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -17,7 +17,7 @@ NAMES = ("../x", "a/b", "..", "/etc/x", 'a"b', "a'b", "<script>", "a b", "a\nb",
 
 
 def tree(folder: Path) -> dict[str, bytes]:
-    """All files below a folder."""
+    """Return all files below a folder."""
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
@@ -45,7 +45,7 @@ def test_plain_names_of_other_alphabets_are_scenes_too(tmp_path: Path, results: 
 
 
 def _everywhere(results: Json, text: str) -> Json:
-    """A run with a text in each place that a run takes texts from."""
+    """Return a run with a text in each place from which a run takes texts."""
     rows, engines = results["rows"], results["engines"]
     assert isinstance(rows, list) and isinstance(engines, list)
     name = text.replace("/", "|")

@@ -1,4 +1,4 @@
-"""Scenes and recordings of a run are read whole, or refused with their names."""
+"""Scenes and recordings of a run are read completely, or rejected with their names."""
 
 import json
 import re
@@ -27,7 +27,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def replaced(path: Path, name: str, value: Any) -> None:
-    """Put another array in a file, or leave it out."""
+    """Replace or remove an array of a file."""
     arrays = {**array_file.read(path), name: value}
     with path.open("wb") as file:
         array_file.write(file, {key: array for key, array in arrays.items() if array is not None})

@@ -1,4 +1,4 @@
-"""A good file is read number for number; a bad one is refused with its name, before anything is written."""
+"""A valid file is read number for number; an invalid one is rejected with its name, before anything is written."""
 
 import math
 from collections.abc import Callable

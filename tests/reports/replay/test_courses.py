@@ -1,4 +1,4 @@
-"""Lines over time are the numbers that a run kept, at their times."""
+"""Lines over time show the recorded numbers of a run at their times."""
 
 from pathlib import Path
 

@@ -20,7 +20,7 @@ def one(tmp_path: Path) -> Shown:
 
 
 def worst(one: Shown, depth: Array | None) -> tuple[int, Kind] | None:
-    """State and kind of the first of all moments, or None."""
+    """Return the state and kind of the first of all moments, or None."""
     return next(((found.state, found.kind) for found in moments(one, depth)), None)
 
 
@@ -60,7 +60,7 @@ def test_a_link_that_goes_to_and_fro_shakes_and_jumps(one: Shown) -> None:
     assert found == {Kind.APART: 14, Kind.SHAKES: 9, Kind.BACK: 7, Kind.JUMP: 14}
     said = dict(remarks(one, 1))
     assert 8 in said and 3 not in said
-    # of three states that are drawn as one the worst is told
+    # of three states drawn as one the worst is reported
     assert dict(remarks(one, 3))[2] == said[8]
 
 
@@ -76,7 +76,7 @@ def test_each_metric_has_its_own_state_and_a_joint_is_no_link() -> None:
     places, turns = np.zeros((states, 3, 3)), np.zeros((states, 3, 4))
     turns[..., 0] = 1.0
     raw_places, raw_turns = places.copy(), turns.copy()
-    # the root turns by 80 degrees and its arm stays where it is in the world, then the hand by 20; the hand jumps, the root too
+    # the root turns by 80 degrees and its arm stays in place in the world, then the hand by 20; the hand jumps, the root too
     turns[5:, 0] = np.cos(2.0 * angle), 0.0, 0.0, np.sin(2.0 * angle)
     turns[9:, 2] = np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)
     places[12, 2, 0], places[17:, 0, 0], places[20:, 1, 0] = 0.03, 0.02, 0.5
@@ -89,7 +89,7 @@ def test_each_metric_has_its_own_state_and_a_joint_is_no_link() -> None:
     found = {"link_jump_max": 20, "root_jump_max": 17, "reversal_max": 13, "tracker_offset_max": 20}
     assert states_of(()) == found
     assert states_of((None, 0, 1))["pose_jump_max"] == 5
-    # a joint that turns against its parent's turn leaves its link where it was: of orientations nothing shows, of joints it does
+    # a joint that compensates its parent's turn leaves its link in place: visible in joints, not in orientations
     turns[:, 0], turns[9:, 2] = turns[0, 0], turns[0, 0]
     turns[7:, 1] = np.cos(angle), 0.0, 0.0, np.sin(angle)
     assert states_of((None, 0, 1))["pose_jump_max"] == 7

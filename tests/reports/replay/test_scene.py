@@ -1,4 +1,4 @@
-"""A replay holds what was recorded, and opens where something is wrong."""
+"""A replay contains the recorded data and opens at a fault."""
 
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ NAME, THEIRS, SHORT = "arm_wall", "mujoco/default", 12
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """Recordings of two engines; theirs ends early and sinks."""
+    """Return a folder with recordings of two engines; that of the other engine ends early and sinks."""
     scene(tmp_path, NAME)
     recording(tmp_path, NAME, OURS)
     recording(tmp_path, NAME, THEIRS, states=SHORT, sinks=True)
@@ -26,14 +26,14 @@ def folder(tmp_path: Path) -> Path:
 
 
 def bodies(folder: Path) -> Drawn:
-    """The scene's file."""
+    """Return the bodies from the scene's file."""
     found = drawn(folder, NAME)
     assert found is not None
     return found
 
 
 def held(folder: Path, **change: Any) -> Any:
-    """The data of a replay; ``change`` are values that arrays of our recording have from state 5 on."""
+    """Return the data of a replay; ``change`` are values of arrays of our recording from state 5 on."""
     found = shown(folder, NAME, [OURS, THEIRS])
     for name, value in change.items():
         getattr(found[0], name)[5:, 1] = value
@@ -47,7 +47,7 @@ def test_poses_and_pairs_come_back(folder: Path) -> None:
     assert found["moving"] == [1, 2] and found["ghost"]["bodies"] == [2] and found["ghost"]["states"] == STATES
     heights = unpacked(ours["places"], found["low"][2], found["high"][2]).reshape(STATES, 2, 3)[:, 0, 2]
     assert heights == pytest.approx(1.0 - 5.0 * (np.arange(STATES) / 60.0) ** 2, abs=1e-4)
-    # depths below what counts as overlap are no pair
+    # depths below the level of overlap give no pair
     assert theirs["pairs"] == {9: [(2, 0)], 10: [(2, 0)]} and not ours["pairs"]
     assert {state: caption[1].split(":")[0] for state, caption in theirs["captions"].items()} == {9: "10 mm", 10: "20 mm"}
 
@@ -67,7 +67,7 @@ def test_it_opens_where_ours_looks_worst_and_offers_the_worst_of_the_others(fold
     ours, theirs = shown(folder, NAME, [OURS, THEIRS])
     ours.positions[12, 2, 0] += 0.4
     found: Any = replay(NAME, bodies(folder), [ours, theirs], OURS)
-    # the jump there and the jump back are equal but for rounding
+    # the jump there and the jump back are equal apart from rounding
     assert found["opens"] in (12, 13)
     calm: Any = replay(NAME, bodies(folder), [shown(folder, NAME, [OURS])[0]], OURS)
     assert calm["opens"] == 0

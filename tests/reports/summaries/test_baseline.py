@@ -1,4 +1,4 @@
-"""A run equals its own baseline; what is worse by more than another machine explains is found."""
+"""A run equals its own baseline; differences larger than those between machines are found."""
 
 from collections.abc import Callable
 from pathlib import Path

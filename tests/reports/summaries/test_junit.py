@@ -1,4 +1,4 @@
-"""A document for CI has a case per check, and the counts of the table of checks."""
+"""A document for CI has one case per check and the counts of the table of checks."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -21,7 +21,7 @@ TAGS = {"failures": "failure", "errors": "error", "skipped": "skipped"}
 
 
 def some(status: str, k: int, note: str = "") -> Row:
-    """A row of each status."""
+    """Return a row of each status."""
     value = {"pass": 0.5, "waived": 1.5, "fail": 9.0, "info": 0.0}.get(status)
     bound, ceiling = (1.0, 2.0) if status in ("pass", "waived", "fail") else (None, None)
     metric = OVERLAP if value is not None else "run"

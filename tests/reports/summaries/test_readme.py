@@ -1,4 +1,4 @@
-"""The README's part that a run writes: between its marks, and nowhere else."""
+"""The README's section that a run writes: only between its marks."""
 
 from pathlib import Path
 from xml.etree import ElementTree
@@ -14,7 +14,7 @@ from tests.reports.small_runs import BULLET, HOST, MUJOCO, OURS, RAW, figure, ru
 
 
 def run() -> Run:
-    """A run with one of each metric that the picture shows."""
+    """Return a run with each metric of the picture."""
     runs = (OURS, MUJOCO, BULLET, RAW)
     rows = [figure("a", one, chart.metric, 0.1 * k) for chart in STRIPS.values() for k, one in enumerate(runs)]
     return run_of(rows, provenance={**HOST, "commit": "0123456789abcdef", "started": "2026-11-28T06:21:06"}, name="some-run")

@@ -1,4 +1,4 @@
-"""The short forms of a run hold its verdict, its failures and its changes."""
+"""The short forms of a run contain its verdict, its failures and its changes."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -20,13 +20,13 @@ Write = Callable[[object], Path]
 
 
 def both(run: Run) -> tuple[str, str]:
-    """The texts of a run for a terminal and as Markdown."""
+    """Return the texts of a run for a terminal and as Markdown."""
     found = Judged(run, checks(run), [], losses(run))
     return terminal(run, found.checks, [], found.losses), markdown(run, found.checks, [], found.losses, [])
 
 
 def some(*statuses: str) -> list[Row]:
-    """A check per status, each in its own scene."""
+    """Return a check per status, each in its own scene."""
     values = {"pass": 0.0, "waived": 1.5, "fail": 9.0}
     return [figure(f"scene_{k}", OURS, OVERLAP, values[one], one, 1.0, 2.0) for k, one in enumerate(statuses)]
 
@@ -53,7 +53,7 @@ def test_the_table_has_a_row_per_engine_and_a_figure_per_column() -> None:
     found = engines(run)
     assert len(found) == len(run.runs) == 4 and all(len(row) == 1 + len(COLUMNS) for row in found)
     assert {row[1] for row in found} == {"10 mm", "1 mm", "100 µm", "10 µm"}
-    # times of scenes with an avatar are left out
+    # times of scenes with an avatar are excluded
     rows = [figure(scene, OURS, "frame_time_p95", time) for scene, time in (("a", 5.0), ("b", 500.0))]
     assert "5 µs" in engines(run_of([*rows, figure("b", OURS, "tracker_offset_rms", 0.0)]))[0]
 

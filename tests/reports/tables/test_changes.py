@@ -1,4 +1,4 @@
-"""Differences between two runs are listed, and nothing else."""
+"""Only differences between two runs are listed."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ STEADY = [name for name in RANKED if not name.startswith("frame_time_")]
 
 
 def table() -> list[Row]:
-    """Figures of three engines in three scenes, well above the level of each metric."""
+    """Return figures of three engines in three scenes, well above the level of each metric."""
     rows = [figure("a", OURS, OVERLAP, 0.0, "pass", 1e-6)]
     for k, scene in enumerate("abc"):
         for run in (OURS, MUJOCO, BULLET):
@@ -31,7 +31,7 @@ def table() -> list[Row]:
 
 
 def listed(found: Changes) -> list[tuple[str, str, str, str]]:
-    """Where and what is listed."""
+    """Return the scene, run, metric and verdict of each listed change."""
     rows = found.table.itertuples()
     return [(row.scenario, row.run, row.metric, row.verdict) for row in rows]
 
@@ -75,7 +75,7 @@ def test_runs_that_came_and_went_are_named() -> None:
 
 
 def times_run(factors: Mapping[str, float], provenance: Mapping[str, object] = HOST, seed: int = 1) -> Run:
-    """A run of one scene in which each engine's frames take so many times as long as plain ones, with noise of their own."""
+    """Return a run of one scene in which each engine's frame times are scaled by its factor, with independent noise."""
     rows, series = list[Row](), dict[str, Series]()
     for k, (run, factor) in enumerate(factors.items()):
         times = 30.0 * factor * np.random.default_rng([k, seed]).gamma(64.0, 1 / 64.0, 400)
@@ -134,7 +134,7 @@ def test_an_interval_needs_frames_of_both_runs() -> None:
 
 
 def baseline(values: Mapping[str, float], scenes: Sequence[str] = "a") -> pd.DataFrame:
-    """A committed baseline."""
+    """Return a committed baseline."""
     rows = [(scene, OURS, name, METRICS[name].unit, value) for scene in scenes for name, value in values.items()]
     return pd.DataFrame(rows, columns=["scenario", "run", "metric", "unit", "value"])
 

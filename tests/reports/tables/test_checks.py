@@ -1,4 +1,4 @@
-"""Every check has one outcome, judged by its numbers."""
+"""Every check has one outcome, determined by its numbers."""
 
 import math
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ gated = st.lists(st.tuples(values, limits), min_size=1, max_size=9)
 
 
 def outcome(value: float, bound: float, ceiling: float | None) -> str:
-    """The definition: a pass needs a finite value within its bound."""
+    """Return the outcome by definition: a pass needs a finite value within its bound."""
     if math.isfinite(value) and value <= bound:
         return "pass"
     return "waived" if math.isfinite(value) and ceiling is not None and value <= ceiling else "fail"
@@ -49,7 +49,7 @@ def test_failures_stand_in_the_order_of_their_excess() -> None:
 
 
 def sound(*more: Row, exit_code: int | None = 0) -> Checks:
-    """A run with one pass and these rows."""
+    """Return the checks of a run with one pass and these rows."""
     return checks(run_of([figure("a", OURS, OVERLAP, 0.0, "pass", 1.0), *more], exit_code=exit_code))
 
 
@@ -64,7 +64,7 @@ def sound(*more: Row, exit_code: int | None = 0) -> Checks:
     (figure("b", OURS, "run", None, "refused"), "refused"),
 ])
 def test_a_row_without_a_figure_has_its_part(more: Row, part: str) -> None:
-    """A scene that the gated engine never saw is missing; what is refused as expected is no trouble."""
+    """A scene that the gated engine never ran is missing; an expected refusal is not a fault."""
     found = sound(more)
     assert "b" in set(getattr(found, part).scenario)
     assert found.is_sound == (part == "refused")

@@ -1,4 +1,4 @@
-"""A figure as text is its value to three digits."""
+"""A figure as text equals its value to three digits."""
 
 import math
 import re
@@ -11,13 +11,13 @@ from reports.tables.figures import MISSING, quantity, rounded
 
 SIZES = {"km": 1e3, "m": 1.0, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9, "s": 1e6, "ms": 1e3, "µs": 1.0, "ns": 1e-3}
 EXTREMES = ("km", "s", "nm", "ns")
-"""Prefixes beyond which there is no other."""
+"""Units with the largest and smallest prefixes."""
 UNITS = ("m", "us", "deg", "%", "", "frames", "m/s")
 values = st.floats(allow_nan=False, allow_infinity=False, width=32)
 
 
 def read(text: str) -> tuple[float, str]:
-    """Number and unit of a text."""
+    """Return the number and unit of a text."""
     found = re.fullmatch(r"(-?[\d,.]+(?:e[+-]?\d+)?)\s*(.*)", text)
     assert found, text
     return float(found[1].replace(",", "")), found[2]

@@ -1,4 +1,4 @@
-"""Tables that other commands add to a run are read as they were written; a missing one is no table, a damaged one is named."""
+"""Tables that other commands add to a run are read as written; a missing one gives no table, a damaged one is named."""
 
 import re
 from collections.abc import Callable
@@ -47,7 +47,7 @@ def test_a_missing_table_is_none_and_a_missing_baseline_is_named(tmp_path: Path)
 
 
 def test_effects_come_back_with_their_shares_and_the_bounds_that_need_them(tmp_path: Path) -> None:
-    """An effect may take all of the frame, none of it, or save time."""
+    """An effect may take all of the frame time, none of it, or save time."""
     lines = [("a", "coupling", 0.6), ("b", "sleeping", -3.0), ("c", "dynamics", 1.0), ("d", "limits", 0.0)]
     parts = [part for line in lines for part in effect(*line, broken=["course_error_max"] if line[0] == "a" else [])]
     write_study(tmp_path, "effects", *parts)

@@ -1,4 +1,4 @@
-"""Trials of hard cases, summed up, against a count by hand."""
+"""Summary of trials of hard cases against a count by hand."""
 
 import math
 from pathlib import Path
@@ -22,7 +22,7 @@ part = st.builds(
 
 
 def most(values: list[float | None]) -> float:
-    """The largest number; nan without one."""
+    """Return the largest number; nan without one."""
     return max((value for value in values if value is not None), default=math.nan)
 
 

@@ -1,4 +1,4 @@
-"""Where another engine is better, against a count by hand."""
+"""Scenes in which another engine is better, against a count by hand."""
 
 import math
 from dataclasses import replace
@@ -19,7 +19,7 @@ tables = st.dictionaries(keys, numbers | st.none(), min_size=1)
 
 
 def by_hand(rows: list[Row]) -> dict[str, tuple[int, int]]:
-    """Scenes compared and lost, by metric: of several seeds the worst counts, and a missing one unless the metric is optional."""
+    """Count compared and lost scenes by metric: the worst seed counts, and so does a missing one of a non-optional metric."""
     found: dict[str, tuple[int, int]] = {}
     for name in {row.metric for row in rows}:
         compared = lost = 0
@@ -50,7 +50,7 @@ def test_counts_are_those_of_a_count_by_hand(table: dict[tuple[str, str, str, in
 
 
 def compared(*rows: Row) -> dict[str, int]:
-    """Lost scenes by metric."""
+    """Return the number of lost scenes by metric."""
     return {row.metric: row.lost for row in losses(run_of(rows)).itertuples()}
 
 

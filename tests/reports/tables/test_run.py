@@ -1,4 +1,4 @@
-"""A run as a table: which engine carries the checks, what is compared with it, and which figures are numbers."""
+"""A run as a table: the engine with the checks, the engines compared with it, and the figures that are numbers."""
 
 import math
 
@@ -9,7 +9,7 @@ from tests.reports.small_runs import BULLET, MUJOCO, OURS, OVERLAP, RAW, figure,
 
 
 def some(gated: str = OURS) -> Run:
-    """A run of five engines with checks of one."""
+    """Return a run of five engines with checks of one."""
     runs = (RAW, BULLET, "newcomer/fast", MUJOCO, "avatarsim/paper", OURS)
     rows = [figure("a", run, OVERLAP, 0.0, "pass" if run == gated else "info", 1.0 if run == gated else None) for run in runs]
     return run_of([*rows, figure("b", MUJOCO, AVATAR_METRIC, 0.0)])
@@ -40,7 +40,7 @@ def test_no_number_is_measured_and_nothing_is_not() -> None:
 
 
 def test_a_variant_stands_in_where_the_figure_of_its_preset_does_not_compare() -> None:
-    """MuJoCo's tuned ball joints have no limit of twist; its preset hinges has limits of other angles, so neither compares."""
+    """MuJoCo's tuned ball joints have no twist limit; its preset hinges limits other angles, so neither is compared."""
     metric, hinges = "joint_limit_excess_max", "mujoco/hinges"
     lacking = {MUJOCO: {"twist limits": "none"}, hinges: {"swing and twist limits": "of Cardan angles"}}
     figures = [("a", MUJOCO, 90.0), ("a", hinges, 1.0), ("b", MUJOCO, 2.0), ("b", hinges, 3.0), ("a", OURS, 0.0)]

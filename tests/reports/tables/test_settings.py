@@ -1,4 +1,4 @@
-"""Settings of a sweep: the largest error of each, what it costs, and how to copy it."""
+"""Settings of a sweep: the largest error of each, its cost, and its options to copy."""
 
 import math
 import tomllib
@@ -23,7 +23,7 @@ cell = st.dictionaries(st.sampled_from(METRICS), st.sampled_from([0.0, 1e-6, 0.0
 
 
 def read(folder: Path, *parts: Part) -> pd.DataFrame:
-    """Settings of a folder with these runs."""
+    """Return the settings of a folder with these runs."""
     write_study(folder, "settings", *parts)
     table = settings(folder)
     assert table is not None
