@@ -1,4 +1,4 @@
-"""The composite action: its steps run as a shell of the runner runs them."""
+"""The composite action: its steps, run as by a shell of the runner."""
 
 import os
 import re

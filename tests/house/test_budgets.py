@@ -10,11 +10,11 @@ import pytest
 ROOT = Path(__file__).parents[2]
 BUDGETS: dict[str, int] = tomllib.loads((ROOT / "budgets.toml").read_text(encoding="utf-8"))
 CODE = {".py", ".js", ".css", ".j2"}
-"""Endings of files of code."""
+"""File name endings of code."""
 
 
 def counted() -> Counter[str]:
-    """Lines of code of each package, of files that git knows; of all files where there is no repository."""
+    """Return the lines of code of each package, of files tracked by git; of all files where there is no repository."""
     try:
         listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\n")
         files = [ROOT / name for name in listed if name]

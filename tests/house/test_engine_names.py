@@ -1,4 +1,4 @@
-"""No file of the harness or the reports names one of the other engines: their folders below `reference` do."""
+"""No file of the harness or the reports names another engine; only the engines' folders below `reference` do."""
 
 import re
 from itertools import chain
@@ -22,7 +22,7 @@ def test_only_the_folder_of_an_engine_names_it() -> None:
     # a package of recorded motions and models has the name of an engine at its beginning
     named = re.compile(f"({'|'.join(map(re.escape, others))})(?!_data)", re.IGNORECASE)
     files = chain.from_iterable((HOUSE / room).rglob(kind) for room in ROOMS for kind in KINDS)
-    # runs that are kept in the checkout are no code
+    # runs stored in the checkout are not code
     files = (path.relative_to(HOUSE) for path in files if "out" not in path.relative_to(HOUSE).parts)
     found = {str(path) for path in files if named.search((HOUSE / path).read_text(encoding="utf-8"))}
     assert len(others) >= 2 and found <= ALLOWED, sorted(found - ALLOWED)

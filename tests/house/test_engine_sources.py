@@ -1,4 +1,4 @@
-"""Sources of the engine: their length, what importing them costs, and what they take of the compiler."""
+"""Sources of the engine: their length, the cost of importing them, and their use of the compiler."""
 
 import re
 import subprocess
@@ -9,16 +9,16 @@ ROOT = Path(__file__).resolve().parents[2]
 ENGINE = ROOT / "avatarsim"
 TEXTS = {file: file.read_text(encoding="utf-8") for file in sorted(ENGINE.rglob("*.py"))}
 LONGEST = 500
-"""Most lines of a file."""
+"""Maximum number of lines of a file."""
 HEAVY = {
     "pandas", "trimesh", "coacd", "mujoco", "pybullet", "coal", "fcl", "itables", "jinja2", "gymnasium_robotics", "tqdm",
     "joblib", "sapien", "scipy.spatial", "scipy.optimize",
 }
-"""Packages that cost more to import than the engine's first frame, or that the engine is compared with."""
+"""Packages whose import costs more than the engine's first frame, or with which the engine is compared."""
 
 
 def imported_by(statement: str) -> set[str]:
-    """Modules in memory after a statement, in a fresh process. (A little of scipy itself comes with numba.)"""
+    """Return the modules loaded after a statement in a fresh process. (numba itself imports parts of scipy.)"""
     script = f"{statement}\nimport sys\nprint(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True)
     return set(done.stdout.split())

@@ -1,4 +1,4 @@
-"""The extras: what each brings, which pins it needs, and which command a missing package names."""
+"""Extras: the packages of each, the pins it needs, and the command named when a package is missing."""
 
 import ast
 import tomllib
@@ -19,7 +19,7 @@ EXTRAS: dict[str, list[str]] = PROJECT["optional-dependencies"]
 
 
 def closure(lines: list[str]) -> set[str]:
-    """Canonical names of all that a list of requirements brings, by the metadata of what is installed."""
+    """Return the canonical names of all packages that requirements install, by the metadata of the installed packages."""
     found: set[str] = set()
     open_ = [Requirement(line) for line in lines]
     while open_:
@@ -32,7 +32,7 @@ def closure(lines: list[str]) -> set[str]:
             required = metadata.requires(name) or []
         except metadata.PackageNotFoundError:
             continue
-        # optional requirements of a package come with the extras that are asked of it
+        # optional requirements of a package come with the extras that are requested
         for line in map(Requirement, required):
             if line.marker is None or any(line.marker.evaluate({"extra": extra}) for extra in wanted.extras or {""}):
                 open_.append(line)
@@ -40,7 +40,7 @@ def closure(lines: list[str]) -> set[str]:
 
 
 def brought_by(distributions: set[str]) -> set[str]:
-    """Folders at the top of what these distributions install."""
+    """Return the top-level folders that these distributions install."""
     found: set[str] = set()
     for name in distributions:
         try:
@@ -51,7 +51,7 @@ def brought_by(distributions: set[str]) -> set[str]:
 
 
 def named_in_sources() -> list[tuple[str, str, str]]:
-    """(file, package, extra) of each MissingPackage that is raised with both written out."""
+    """Return (file, package, extra) of each MissingPackage that is raised with both as literals."""
     found = []
     for path in (*ROOT.glob("avatarsim/**/*.py"), *ROOT.glob("scenarios/**/*.py"), *ROOT.glob("reference/**/*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -75,7 +75,7 @@ def test_each_missing_package_is_in_the_extra_that_is_named() -> None:
     assert len(named) >= 4
     for file, package, extra in named:
         listed = {canonicalize_name(Requirement(line).name) for line in EXTRAS[extra]}
-        # a package such as pybullet_data comes with a distribution of another name
+        # a package such as pybullet_data belongs to a distribution of another name
         assert canonicalize_name(package) in listed or package in brought_by(listed), f"{file}: {package} is not in {extra}"
 
 

@@ -1,4 +1,4 @@
-"""The lock: every pin hashed, nothing missing, no address of a user in it, in agreement with pyproject.toml."""
+"""The lock: every pin has a hash, none is missing, no address of a user is in it, and it agrees with pyproject.toml."""
 
 import re
 import runpy
@@ -18,7 +18,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 
 
 def _pins() -> dict[str, str]:
-    """Canonical name to pinned version."""
+    """Return the pinned versions by canonical name."""
     found = re.findall(r"(?m)^([\w.-]+)==([^\s;]+)", LOCK)
     return {canonicalize_name(name): version for name, version in found}
 

@@ -1,4 +1,4 @@
-"""Recipes of the Makefile: calls of Python, noted by a stand-in, and runs that `make prune` removes."""
+"""Recipes of the Makefile: calls of Python, recorded by a fake interpreter, and the runs that `make prune` removes."""
 
 import shutil
 import subprocess
@@ -15,11 +15,11 @@ OLD, LAST, RUNNING = "20250101-120000-compare", "20250102-080000-compare", "2025
 OLD_CHECK, LAST_CHECK = "20250101-130000-check", "20250103-080000-check"
 BENCH = "20250101-140000-bench"
 OTHERS = {"stability", "found", "notes.csv"}
-"""No runs."""
+"""Names that are not runs."""
 
 
 def calls(folder: Path, *words: str) -> list[str]:
-    """What `make` calls Python with in a folder that is set up, with the runs that are in it."""
+    """Return the arguments of each call of Python by `make` in a set-up folder with its runs."""
     shutil.copy(MAKEFILE, folder)
     python = folder / ".venv" / "bin" / "python"
     for path in (python, *(folder / name for name in ("requirements.lock", "pyproject.toml", ".setup/choose_python.py",
@@ -63,7 +63,7 @@ def test_without_a_comparison_no_report_is_written(tmp_path: Path) -> None:
 
 
 def pruned(folder: Path) -> set[str]:
-    """Names left in the `reports/out` of a project."""
+    """Run `make prune` in a project and return the names left in `reports/out`."""
     recipe = MAKEFILE.read_text(encoding="utf-8")
     recipe = recipe[recipe.index("prune:") :].split("\n\n")[0]
     (folder / "Makefile").write_text(f"{recipe}\n", encoding="utf-8")

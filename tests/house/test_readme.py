@@ -1,4 +1,4 @@
-"""What the README shows works, and prints what it says; what it does not name is on the page of commands."""
+"""The README's examples run and print the values in their comments; the page of commands lists all commands."""
 
 import re
 from pathlib import Path
@@ -55,7 +55,7 @@ def test_the_shield_follows_an_operator(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def make_targets(text: str) -> set[str]:
-    """Targets of make in the code of a page."""
+    """Return the make targets in the code of a page."""
     return set(re.findall(r"\bmake ([a-z]+)\b", " ".join(re.findall(r"```sh.*?```|`[^`]*`", text, re.DOTALL))))
 
 
@@ -63,7 +63,7 @@ def test_make_targets_exist_and_the_page_of_commands_has_all() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     targets = set(re.findall(r"^([a-z]+):", makefile, re.MULTILINE))
     assert {"compare", "test"} <= make_targets(README) <= targets
-    # `make` alone is the help
+    # `make` without a target prints the help
     assert make_targets(COMMANDS) == targets - {"help"}
 
 

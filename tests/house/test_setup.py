@@ -1,4 +1,4 @@
-"""Set-up: the Python that is chosen, obstacles that are reported, work that is repeated."""
+"""Set-up: the chosen Python, reported obstacles, and repeated work."""
 
 import ast
 import importlib.util
@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def _load(name: str, root: Path = ROOT) -> ModuleType:
-    """A fresh copy of a set-up file, which lives in a hidden folder and so is not importable by name."""
+    """Return a fresh copy of a set-up file; it is in a hidden folder and cannot be imported by name."""
     spec = importlib.util.spec_from_file_location(name, root / ".setup" / f"{name}.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -27,7 +27,7 @@ def _load(name: str, root: Path = ROOT) -> ModuleType:
 
 
 def _fake_python(path: Path, script: str) -> str:
-    """An executable file that stands in for an interpreter."""
+    """Write an executable file that replaces an interpreter, and return its path."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
     path.chmod(0o755)

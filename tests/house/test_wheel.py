@@ -1,4 +1,4 @@
-"""A wheel with kernels is for one platform and compiled from what it holds; another holds none that an earlier build left."""
+"""A wheel with kernels is for one platform and compiled from its own sources; a plain one has no kernels of earlier builds."""
 
 import importlib.util
 from pathlib import Path
@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture
 def build(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> ModuleType:
-    """setup.py as a module, in a folder where nothing is to be built."""
+    """Return setup.py as a module, in a folder with nothing to build."""
     spec = importlib.util.spec_from_file_location("wheel_build", ROOT / "setup.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -27,7 +27,7 @@ def build(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> ModuleType:
 
 
 def packed(build: ModuleType, monkeypatch: pytest.MonkeyPatch, with_kernels: bool) -> tuple[bool, list[str]]:
-    """Whether a wheel is for any platform, and the kernels in it when it is packed; an earlier build has left one."""
+    """Return True if a wheel is for any platform, and the files in it when it is packed after a build that left a kernel."""
     monkeypatch.setattr(build, "add_harness", lambda built: None)
     monkeypatch.setattr(build, "compile_kernels", lambda built: (built / "avatarsim" / "avatarsim-kernels").mkdir(parents=True))
     stale = Path("build/lib/avatarsim/avatarsim-kernels/old")

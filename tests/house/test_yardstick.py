@@ -1,4 +1,4 @@
-"""The yardstick tells what has moved from what has not."""
+"""The yardstick separates results that changed from those that did not."""
 
 import json
 from pathlib import Path

@@ -1,12 +1,12 @@
-"""The wheel alone: `python -m tests.house.wheel [--python NAME ...] [--with-kernels]` builds it and runs README's example with
-nothing else.
+"""The wheel alone, built and run with README's example and nothing else.
+Command: `python -m tests.house.wheel [--python NAME ...] [--with-kernels]`.
 
-For each interpreter: an environment that holds the wheel and what it asks for, in the versions of requirements.lock; a user that
-is not root, an empty folder to run in, a HOME that may only be read. What is asked: README's example prints what it says, twice;
-an extra that is missing is named with a command that pip understands; nothing of the checkout and no optional package is loaded.
+Each interpreter gets an environment with the wheel and its requirements in the versions of requirements.lock, a user that is not
+root, an empty working folder, and a read-only HOME. Checks: README's example prints the documented output, twice; a missing
+extra is named with a command that pip understands; nothing of the checkout and no optional package is loaded.
 
-With `--with-kernels` the wheel is built for each interpreter and carries compiled kernels. From `pip install` of it, where its
-dependencies are there, to the first frame it then takes below 5 s.
+With `--with-kernels` the wheel is built for each interpreter and contains compiled kernels. With its dependencies installed, the
+time from `pip install` to the first frame is then below 5 s.
 """
 
 import argparse
@@ -25,12 +25,12 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 NOBODY = 65534
-"""Id of the unprivileged user and group, as which everything runs where root starts this."""
+"""Id of the unprivileged user and group that run everything when root starts this."""
 PYTHONS = ("python3.11", "python3.12", "python3.13")
 PROMISED = 5.0
-"""Longest [s] from `pip install` of a wheel with kernels, where its dependencies are there, to the first frame."""
+"""Longest time [s] from `pip install` of a wheel with kernels to the first frame, with its dependencies installed."""
 LONGEST = 900.0
-"""Longest [s] that one step may take: the engine's kernels are compiled on one core."""
+"""Longest duration [s] of one step: the engine's kernels are compiled on one core."""
 
 EXTRA = """
 from avatarsim.errors import MissingPackage
@@ -60,8 +60,8 @@ print(sorted({name.partition(".")[0] for name in sys.modules} & optional))
 
 @dataclass(frozen=True)
 class Answer:
-    """What one interpreter answered: its version, seconds of `pip install` of the wheel alone, of the first start and of a later
-    one, and what is wrong."""
+    """Result of one interpreter.
+    Its version, seconds of `pip install` of the wheel alone, of the first start and of a later one, and the faults found."""
 
     version: str
     install: float
@@ -71,11 +71,11 @@ class Answer:
 
 
 class Stopped(Exception):
-    """A step failed; the text says which and why."""
+    """Error of a failed step; its text gives the step and the reason."""
 
 
 def run(command: Iterable[object], **options: Any) -> str:
-    """Standard output of a command. Raises Stopped with its last words if it fails."""
+    """Return the standard output of a command. Raises Stopped with its last lines if it fails."""
     words = [str(word) for word in command]
     try:
         done = subprocess.run(words, capture_output=True, text=True, timeout=LONGEST, stdin=subprocess.DEVNULL, **options)
@@ -88,7 +88,7 @@ def run(command: Iterable[object], **options: Any) -> str:
 
 
 def copied(folder: Path) -> Path:
-    """A copy of what is committed or changed in this checkout, so that no build leftovers stay."""
+    """Return a copy of the committed and changed files of this checkout, without leftovers of builds."""
     source = folder / "source"
     source.mkdir()
     listed = run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT).split("\0")
@@ -100,7 +100,7 @@ def copied(folder: Path) -> Path:
 
 
 def built(python: str | Path, source: Path, folder: Path, *options: str) -> Path:
-    """The wheel of a copy of this checkout, as the packages of an interpreter build it."""
+    """Build the wheel of a copy of this checkout with the packages of an interpreter."""
     pip = [python, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--quiet", *options]
     run([*pip, "-w", folder / "dist", source])
     [wheel] = (folder / "dist").glob("avatarsim-*.whl")
@@ -108,7 +108,7 @@ def built(python: str | Path, source: Path, folder: Path, *options: str) -> Path
 
 
 def with_kernels(python: str, source: Path, folder: Path) -> Path:
-    """The same with kernels, compiled in an environment of this interpreter that holds what is wanted for it and no more."""
+    """Build the wheel with kernels, in an environment of this interpreter that has only the packages required for it."""
     environment, project = folder / "builder", tomllib.loads((source / "pyproject.toml").read_text(encoding="utf-8"))
     run([python, "-m", "venv", environment])
     installed(environment / "bin" / "python", folder, *project["build-system"]["requires"], *project["project"]["dependencies"])
@@ -122,25 +122,25 @@ def installed(python: Path, folder: Path, *wanted: str) -> None:
 
 
 def locked() -> str:
-    """The locked versions, as constraints."""
+    """Return the locked versions as constraints for pip."""
     text = (ROOT / "requirements.lock").read_text(encoding="utf-8")
     return "".join(f"{name}=={version}\n" for name, version in re.findall(r"(?m)^([\w.-]+)==([^\s;]+)", text))
 
 
 def example() -> tuple[str, str]:
-    """README's example, and what it says that it prints."""
+    """Return README's example and its documented output."""
     [code] = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
     [said] = re.findall(r"^print\(.*\)  # (\[.*\]): .*$", code, re.MULTILINE)
     return code, said
 
 
 def as_nobody() -> dict[str, Any]:
-    """Options of a process that is not root's: only root can choose another user, and only root has to."""
+    """Return the options of a process that does not run as root; only root can change the user, and only root has to."""
     return {"user": NOBODY, "group": NOBODY, "extra_groups": []} if os.getuid() == 0 else {}
 
 
 def reachable(python: str, folder: Path) -> str:
-    """The interpreter, or a copy of it where only root may reach it, as in a folder below root's own."""
+    """Return the interpreter, or a copy of it where only root can access it, as in a folder below root's own."""
     try:
         run([os.path.realpath(python), "-c", ""], **as_nobody())
         return python
@@ -152,7 +152,7 @@ def reachable(python: str, folder: Path) -> str:
 
 
 def answer(python: str, wheel: Path, folder: Path) -> Answer:
-    """Install the wheel for one interpreter and ask it. Raises Stopped where that cannot be done."""
+    """Install the wheel for one interpreter and check it. Raises Stopped if a step fails."""
     environment, home, empty, scratch = (folder / name for name in ("environment", "home", "empty", "scratch"))
     run([reachable(python, folder), "-m", "venv", environment])
     inside = environment / "bin" / "python"
@@ -164,7 +164,7 @@ def answer(python: str, wheel: Path, folder: Path) -> Answer:
         place.mkdir()
         place.chmod(mode)
     variables = {"PATH": "/usr/bin:/bin", "HOME": str(home), "TMPDIR": str(scratch), "LANG": "C.UTF-8"}
-    # a copied interpreter looks for its library where it was, and another of the same name may lie in the system's folders
+    # a copied interpreter looks for its library at the old place, and the system's folders may have another of the same name
     variables |= {"LD_LIBRARY_PATH": str(folder / "interpreter" / "lib")} if (folder / "interpreter").exists() else {}
     alone = {"env": variables, "cwd": empty, **as_nobody()}
     faults = []
@@ -199,7 +199,7 @@ def answer(python: str, wheel: Path, folder: Path) -> Answer:
 
 
 def main(words: list[str] | None = None) -> int:
-    """0 if the wheel works in every interpreter that was named, or, where none was, in all that there are; 1 otherwise."""
+    """Return 0 if the wheel works in every named interpreter, or in all existing ones if none is named; otherwise 1."""
     options = argparse.ArgumentParser(prog="python -m tests.house.wheel", description="The built wheel, alone.")
     said = f"an interpreter (default: those of {', '.join(PYTHONS)} that run)"
     options.add_argument("--python", action="append", metavar="NAME", help=said)
@@ -233,7 +233,7 @@ def main(words: list[str] | None = None) -> int:
 
 
 def late(got: Answer) -> tuple[str, ...]:
-    """A sentence if a wheel with kernels is not as fast as promised."""
+    """Return a sentence if a wheel with kernels is slower than PROMISED."""
     took = got.install + got.first
     return () if took < PROMISED else (f"from pip install to the first frame {took:.1f} s, not below {PROMISED:g}",)
 

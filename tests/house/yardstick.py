@@ -1,8 +1,8 @@
-"""Yardstick of a change that is to move no bit: python -m tests.house.yardstick [-o FILE] [--against FILE] [--filter GLOB].
+"""Yardstick of a change that must not change a bit: python -m tests.house.yardstick [-o FILE] [--against FILE] [--filter GLOB].
 
-A line per scene of the catalogue, method and seed, with a hash of every state that is shown at the short length and of every
-count of the frame records; and one per slice of the fuzz: hostile motion, signed distances of drawn pairs, drawn impacts. With
---against what differs from a file written before is named, and the exit code is 1.
+It writes a line per scene of the catalogue, method and seed, with a hash of every shown state of the short length and of every
+count of the frame records, and a line per slice of the fuzz: hostile motion, signed distances of drawn pairs, drawn impacts.
+With --against it lists the differences from a file written before, and the exit code is 1 if there are any.
 """
 
 import argparse
@@ -34,7 +34,7 @@ FRAMES, IMPACTS, BATCHES = 600, 20_000, 4
 
 
 def of_scene(name: str, method: str, seed: int) -> str:
-    """States, counts and statuses of a scene at its short length."""
+    """Return a hash of the states, counts and statuses of a scene at its short length."""
     scenario, engine, found = catalog.get(name).as_run(False), AvatarsimEngine(), hashlib.sha256()
     scene = scenario.build()
     motion = scenario.motion(scene, seed)
@@ -45,7 +45,7 @@ def of_scene(name: str, method: str, seed: int) -> str:
             found.update(record.state_hash().encode())
             found.update(repr((sorted(record.counts.items()), sorted(record.statuses.items()))).encode())
     except AvatarsimError as error:
-        # which frame was refused is told by the hashes before it
+        # the hashes before it identify the frame that was refused
         found.update(type(error).__name__.encode())
     finally:
         engine.close()
@@ -53,13 +53,13 @@ def of_scene(name: str, method: str, seed: int) -> str:
 
 
 def of_hostile_motion(name: str) -> str:
-    """States and counts of an avatar in hostile motion."""
+    """Return a hash of the states and counts of an avatar in hostile motion."""
     report = hostile_run.run(name, seed=1, frames=FRAMES, judge_every=FRAMES)
     return hashlib.sha256(repr((report.hashes, sorted(report.counts.items()))).encode()).hexdigest()
 
 
 def of_pairs(stratum: str) -> str:
-    """Statuses, gaps and points of drawn pairs, to the last bit."""
+    """Return a hash of the statuses, gaps and points of drawn pairs, to the last bit."""
     found = hashlib.sha256()
     for number in range(BATCHES):
         batch = draw(stratum, 1, number)
@@ -70,13 +70,13 @@ def of_pairs(stratum: str) -> str:
 
 
 def of_impacts() -> str:
-    """Counts and worst figures of drawn impacts."""
+    """Return a hash of the counts and worst figures of drawn impacts."""
     count, worst = impacts(IMPACTS, 1)
     return hashlib.sha256(repr((count, worst.tolist())).encode()).hexdigest()
 
 
 def slices() -> dict[str, partial[str]]:
-    """All of them by name."""
+    """Return all slices by name."""
     found = {
         f"{name} {method} {seed}": partial(of_scene, name, method, seed)
         for name in catalog.scenarios() for method in METHODS for seed in SEEDS
@@ -87,7 +87,7 @@ def slices() -> dict[str, partial[str]]:
 
 
 def measured(wanted: dict[str, partial[str]], jobs: int) -> dict[str, str]:
-    """Slice -> hash, with a bar."""
+    """Return the hash of each slice, with a progress bar."""
     found: Iterator[str] = Parallel(jobs, return_as="generator")(delayed(one)() for one in wanted.values())
     with bar(len(wanted), "slice") as shown:
         hashes = []
@@ -98,7 +98,7 @@ def measured(wanted: dict[str, partial[str]], jobs: int) -> dict[str, str]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Measure, write, compare; 1 if a slice differs or is missing on one side, 2 if nothing was asked."""
+    """Measure, write and compare; return 1 if a slice differs or is missing on one side, 2 if no slice matches the filter."""
     parser = argparse.ArgumentParser(
         prog="python -m tests.house.yardstick", description=str(__doc__), formatter_class=argparse.RawDescriptionHelpFormatter,
     )
