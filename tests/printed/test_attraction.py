@@ -1,4 +1,4 @@
-"""The way to the tracker in closed form: attraction of joints, eq. 6 of roots, and both as the frame calls them."""
+"""Motion to the tracker in closed form: attraction of joints, eq. 6 of roots, and both as the frame calls them."""
 
 import numpy as np
 import pytest
@@ -66,7 +66,7 @@ def test_a_released_posture_returns_exponentially(frames):
     assert target.angle[-1] - world.posture.angle[-1] == pytest.approx(1.5 * left, rel=1e-12)
     for link in (0, 1):
         assert angle_between(world.posture.turn[link], target.turn[link]) == pytest.approx(np.linalg.norm(turn) * left, rel=1e-9)
-    # the place of a free root is handed in, by eq. 6
+    # the position of a free root is an argument, by eq. 6
     assert world.posture.root[0].tolist() == [1.0, 2.0, 3.0]
 
 
@@ -140,7 +140,7 @@ def test_a_root_that_was_held_has_the_velocity_it_was_shown_to_have():
     settle_roots(KIND, rows(1.0, 0.0), rows(0.5, 0.0), rows(0.2, 0.0), rows(0.3, 0.0), 0.1, speed, tracked)
     assert speed[0, 0] == pytest.approx(1.0)
     assert tracked[0, 0] == 1.0
-    # and one that went where eq. 6 wanted keeps the velocity of eq. 6
+    # and one that reached the position of eq. 6 keeps the velocity of eq. 6
     speed = rows(7.0, 0.0)
     settle_roots(KIND, rows(1.0, 0.0), rows(0.3, 0.0), rows(0.2, 0.0), rows(0.3, 0.0), 0.1, speed, tracked)
     assert speed[0, 0] == 7.0
@@ -156,7 +156,7 @@ DT = 1.0 / 60.0
 BALL = (Piece(Sphere(0.1)),)
 FREE_BALL = simulated("ball", BALL, "wood", solid(BALL, 1.0), (3.0, 0.0, 0.0))
 WALL = fixed("wall", (Piece(Box((1.0, 4.0, 4.0)), (1.0, 0.0, 0.0)),), "wood")
-"""Begins at x = 0.5."""
+"""A wall whose surface begins at x = 0.5."""
 
 
 def hand_before(*bodies):
@@ -180,7 +180,7 @@ def test_links_get_the_velocity_of_the_way_they_were_shown_to_go():
         assert overlapping_pairs(loop.world) == []
         shown = loop.world.poses.position[2, 0] - before
         assert loop.world.velocities.linear[2, 0] == pytest.approx(shown / DT, abs=1e-9)
-    # at the wall the user goes on and the hand does not
+    # at the wall the user moves on and the hand stops
     assert abs(loop.world.velocities.linear[2, 0]) < 1e-6
 
 
@@ -209,7 +209,7 @@ def test_counts_are_named_and_statuses_only_where_something_happened():
     assert tuple(loop.counts()) == COUNT_NAMES
     assert loop.statuses() == {}
     broken = target(loop, np.nan)
-    # uncompiled, numpy warns of what the kernels test for
+    # without compilation numpy warns of cases that the kernels test for
     with np.errstate(invalid="ignore"):
         loop.follow(broken, DT)
     assert loop.statuses() == {"walked_back": 1, "held": 1, "not_checked": 1}

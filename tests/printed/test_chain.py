@@ -1,4 +1,4 @@
-"""Chains of an avatar, and the seeded order in which they are treated."""
+"""Chains of an avatar, and the seeded order in which they are processed."""
 
 import numpy as np
 import pytest

@@ -25,7 +25,7 @@ def test_two_links_reach_as_the_law_of_cosines_says(distance, bearing, elbow, sh
     found = reach(TWO_LINKS, TWO, goal, BENDING, np.array([shoulder, elbow]))
     assert found.status == REACHED
     assert found.measured <= 1.1e-9
-    # two postures reach: elbow to one side or the other
+    # two postures reach the goal: elbow to one side or the other
     cosine = (distance**2 - TWO[0] ** 2 - TWO[1] ** 2) / (2.0 * TWO[0] * TWO[1])
     assert np.cos(found.angles[1]) == pytest.approx(cosine, abs=1e-7)
 
@@ -51,7 +51,7 @@ def test_hinge_limits_hold_exactly_for_ten_thousand_goals():
         angles = reach(world, lengths, goal, settings).angles
         assert (angles >= limits[:, 0]).all() and (angles <= limits[:, 1]).all()
         at_a_limit += bool(((angles == limits[:, 0]) | (angles == limits[:, 1])).any())
-    # or the limits were never in the way
+    # otherwise the limits were never active
     assert at_a_limit > 2000
 
 

@@ -1,4 +1,4 @@
-"""One link taken out of an obstacle: the plain way, and the nearly parallel link's; links are posed as the avatar is."""
+"""One link moved out of an obstacle: the general case and the nearly parallel link; links are posed as the avatar is."""
 
 import numpy as np
 import pytest
@@ -20,18 +20,18 @@ pytestmark = [pytest.mark.nojit]
 
 LENGTHS, DEPTH = (0.4, 0.3, 0.2), 0.02
 WALL_FROM = 0.25
-"""[m] the wall fills everything in y beyond this."""
+"""y [m] beyond which the wall fills everything."""
 SETTINGS = PaperSettings(tolerance=1e-7, sweeps=2000)
 
 
 class Caught:
-    """An arm of three links whose last one lies in a wall at an angle to its surface, and the call that frees it."""
+    """Return an arm of three links, the last one in a wall at an angle to its surface, and the call that frees it."""
 
     def __init__(self, joints, slope, walls=None):
         walls = walls or (Piece(Box((4.0, 1.0, 4.0)), (0.0, WALL_FROM + 0.5, 0.0)),)
         self.world = world_of((arm(LENGTHS, joints),), (fixed("wall", walls, "wood", (0.0, 0.0, 50.0)),))
         geo, skel = self.world.geometry, self.world.skeleton
-        # elbow bent so that the wrist comes to the wall; hand along it
+        # elbow bent so that the wrist is at the wall; hand along it
         wrist = WALL_FROM - RADIUS + DEPTH
         turns = [0.9, 0.0, 0.0]
         turns[1] = np.arcsin((wrist - 0.4 * np.sin(0.9)) / 0.3) - 0.9
@@ -65,7 +65,7 @@ class Caught:
         return found
 
     def depth(self):
-        """How deep the hand's capsule is in the wall [m], from its two ends."""
+        """Return the depth [m] of the hand's capsule in the wall, from its two ends."""
         return float(self.world.poses.boxes[3, 4] - WALL_FROM)
 
 
@@ -91,7 +91,7 @@ def test_without_the_special_case_the_same_link_turns():
 
 
 def test_a_steep_link_is_freed_by_goals_for_its_end_effector():
-    """One goal puts the mean contact where eq. 3 wants it; what the turn brought into the wall takes further goals."""
+    """One goal puts the mean contact at the position of eq. 3; parts that the turn moved into the wall need further goals."""
     caught, goals = Caught(WIDE, 0.6), 0
     inside = caught.depth()
     while caught.contacts()[1] > 0 and goals < PaperSettings().rounds:
@@ -134,5 +134,5 @@ def test_it_agrees_with_the_kinematics_for_every_kind_of_joint():
             pose_link(skel, world.posture, link, other, single)
         np.testing.assert_allclose(other.position, world.poses.position, atol=1e-14)
         np.testing.assert_allclose(other.rotation, world.poses.rotation, atol=1e-14)
-        # a free root's own degrees of freedom are no joints
+        # a free root's own degrees of freedom are not joints
         np.testing.assert_allclose(single[6:], whole[6:], atol=1e-14)

@@ -1,4 +1,4 @@
-"""Pushing apart by PD_g: overlaps are found, both bodies move by their shares, and eq. 1 runs over all pieces."""
+"""Separation by PD_g: overlaps are found, both bodies move by their shares, and eq. 1 is applied over all pieces."""
 
 import numpy as np
 import pytest
@@ -71,7 +71,7 @@ def test_it_finds_what_trying_every_pair_finds():
         count = find_overlaps(world.geometry, world.poses, found)
         listed = {frozenset(names[body] for body in pair) for pair in found.found[:count]}
         everything = {frozenset((a, b)) for a, b, _ in overlapping_pairs(world)}
-        # cube and ball are none of the driven loop's business
+        # cube and ball are outside the driven loop
         assert listed == everything - {frozenset(("cube", "ball"))}
         assert {names[body] for body in np.flatnonzero(found.hit)} == {name for pair in listed for name in pair}
         seen += len(listed)
@@ -97,7 +97,7 @@ def test_a_pose_that_is_no_number_is_never_free(bad):
     found = make_overlaps(world.geometry, world.skeleton.first)
     for body in range(7):
         put(world, body, [3.0 * body, 0.0, 0.0])
-    # uncompiled, numpy warns of what the kernels test for
+    # without compilation numpy warns of cases that the kernels test for
     with np.errstate(invalid="ignore"):
         put(world, 4, [bad, 0.0, 0.0])
         assert find_overlaps(world.geometry, world.poses, found) == NOT_CHECKED
@@ -128,7 +128,7 @@ def run(a_pieces, b_pieces):
 
 def test_the_status_of_a_piece_is_not_lost():
     apart = ball(0.1).moved(shift=(9.0, 9.0, 9.0))
-    # Two nearly round hulls about one centre: thousands of ways out, nearly as short as each other.
+    # Two nearly round hulls about one centre: thousands of separating directions with nearly equal depths.
     dotted, larger = hull_of_ellipsoid((0.3, 0.301, 0.302), 40, 19), hull_of_ellipsoid((0.5, 0.499, 0.498), 37, 17)
     assert run([apart, larger], [dotted, apart])[0] == OUT_OF_ITERATIONS
     broken = ball(0.1).moved(shift=(np.nan, 0.0, 0.0))
@@ -174,7 +174,7 @@ BODIES = {"cube": box(0.2, 0.2, 0.2), "ball": ball(0.2), "hull": hull_of_ellipso
 
 
 def push(body, pieces):
-    """Status and PD_g of one body in the pieces of another."""
+    """Return the status and PD_g of one body in the pieces of another."""
     vertices, shapes = as_arrays(body, *pieces)
     starts = np.array([0, 1, 1 + len(pieces)])
     status, pushed, count = global_depth(vertices, shapes, starts, 0, 1, SCRATCH)
@@ -182,7 +182,7 @@ def push(body, pieces):
 
 
 def wall(cuts):
-    """A wall 1 m thick with its surface at z = 0, cut at right angles to x."""
+    """Return the pieces of a wall 1 m thick with its surface at z = 0, cut at right angles to x."""
     return [
         box(0.5 * (high - low), 1.0, 0.5).moved(shift=(0.5 * (low + high), 0.0, -0.5))
         for low, high in zip(cuts, cuts[1:], strict=False)
@@ -190,13 +190,13 @@ def wall(cuts):
 
 
 def sunk(name, x):
-    """A body DEPTH deep in the wall."""
+    """Return a body at depth DEPTH in the wall."""
     body = BODIES[name]
     return body.moved(shift=(x, 0.0, -body.rows[:, 2].min() + body.radius - DEPTH))
 
 
 def cleared(body, pieces, most):
-    """Passes until less than a micrometre is left, and how far the body went."""
+    """Return the passes until less than a micrometre of depth is left, and the distance that the body moved."""
     way = np.zeros(3)
     for passes in range(most + 1):
         status, pushed, _ = push(body.moved(shift=way), pieces)

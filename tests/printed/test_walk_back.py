@@ -1,4 +1,4 @@
-"""Walking back: states between two postures, as far as needed, as few links as will do, and inside limits."""
+"""Walking back: states between two postures, as far back as needed, with as few links as possible, and inside limits."""
 
 import numpy as np
 import pytest
@@ -37,7 +37,7 @@ def test_hinges_and_places_go_straight_and_rotations_on_the_great_circle(fractio
     assert world.posture.angle[hinge] == pytest.approx((1 - fraction) * a.angle[hinge] + fraction * b.angle[hinge])
     np.testing.assert_allclose(world.posture.root[0], (1 - fraction) * a.root[0] + fraction * b.root[0], atol=1e-15)
     for link in (0, 1):
-        # the dumb twin works on quaternions
+        # the plain reference version works on quaternions
         np.testing.assert_allclose(
             world.posture.turn[link], rotation.to_matrix(rotation.slerp(qa[link], qb[link], fraction)), atol=1e-12
         )
@@ -75,7 +75,7 @@ def test_bisection_finds_the_edge_to_a_millionth_from_the_free_side(edge):
 
 
 WALL = fixed("wall", (Piece(Box((4.0, 1.0, 4.0)), (0.0, 1.0, 0.0)),), "wood")
-"""Fills y from 0.5 to 1.5."""
+"""A wall that fills y from 0.5 to 1.5."""
 NO_ROUNDS = {"rounds": 0, "couple": 0}
 
 
@@ -84,10 +84,10 @@ def test_a_hand_stops_at_the_wall_to_a_millionth_of_its_way():
     loop.frame(roots=[(0.3, 0.8, 0.0)])
     y = loop.world.posture.root[0, 1]
     assert 0.4 - 0.8e-6 <= y <= 0.4
-    # back along its way, which is oblique
+    # back along its oblique path
     assert loop.world.posture.root[0, 0] == pytest.approx(0.3 * y / 0.8, abs=1e-15)
     assert loop.memory.counts[WALKED_BACK] == 1
-    # two levels tried at the checked state (a hand is on no chain), 20 halvings
+    # two levels at the checked state (a hand is on no chain), 20 halvings
     assert loop.memory.counts[WALK_TESTS] == 22
     assert overlapping_pairs(loop.world) == []
 
@@ -98,7 +98,7 @@ def test_only_the_arm_that_overlaps_is_walked_back():
     loop.frame(angles=[1.4, 1.0], frames=60)
     assert loop.count(WALKED_BACK) > 50
     assert overlapping_pairs(loop.world) == []
-    # the one touches the wall with its tip, the other is where the user is
+    # one touches the wall with its tip, the other is at the user's posture
     assert loop.world.posture.angle[0] == pytest.approx(np.arcsin((0.5 - RADIUS) / 0.6), abs=1e-6)
     assert loop.world.posture.angle[1] == pytest.approx(1.0, abs=1e-9)
 
@@ -119,7 +119,7 @@ def test_a_body_carried_into_a_pinned_arm_is_reported_and_everything_stays():
 
 
 def test_a_body_that_gave_way_in_vain_is_walked_back_too():
-    """A ball between a pinned arm and a wall it touches: pushed out of the arm it is in the wall, and back again."""
+    """A ball between a pinned arm and a wall that it touches: moved out of the arm it is in the wall, and vice versa."""
     ball = (Piece(Sphere(0.2)),)
     loop = Loop(
         (ball_hand(0.1),), (WALL, simulated("ball", ball, "wood", solid(ball, 1.0), (0.0, 0.2999, 0.0))),
