@@ -1,12 +1,12 @@
 """Contact between a driven avatar and its world, in real time, with nothing left overlapping.
 
-A tracked hand or body goes where its user goes: into walls, tables, its own limbs. The engine shows the nearest posture that
-touches but never overlaps, within joint limits, and makes loose objects bounce, slide and roll off it. It implements Schmidl and
-Lin, *Real-time Physically-based Interaction between Avatars and Virtual Environments*, and goes past it.
+A tracked hand or body follows its user, also into walls, tables and its own limbs. The engine shows the nearest posture that
+touches but never overlaps, within joint limits, and makes loose objects bounce, slide and roll off it. It implements and extends
+Schmidl and Lin, *Real-time Physically-based Interaction between Avatars and Virtual Environments*.
 
 Example
 -------
-A fist is led down to a table, and through it; it is shown on top.
+A fist moves down to a table and through it; it is shown on top.
 
     >>> import numpy as np
     >>> import avatarsim as av
@@ -27,22 +27,22 @@ Units and conventions
 ---------------------
 SI units (m, kg, s, N), angles in radians, float64; z is up. Quaternions are (w, x, y, z) of length 1. Sizes of boxes are full
 lengths. Arrays over bodies are in the order of `scene.names`: the bodies, then the links of each avatar. A contact's normal
-points out of `b` into `a`. Descriptions (scenes, bodies, avatars, shapes) are frozen and checked as they are made: a fault
-is refused with an `InvalidInput` that names the thing, its value and the valid range.
+points out of `b` into `a`. Descriptions (scenes, bodies, avatars, shapes) are frozen and checked when they are made: a fault
+raises an `InvalidInput` that names the quantity, its value and the valid range.
 
 The world
 ---------
-    Scene           everything before the first frame: bodies, avatars, materials, gravity, where it starts
-    Body            a fixed or loose body, as the next two make it
-    fixed           a body that stays where it is
+    Scene           everything given before the first frame: bodies, avatars, materials, gravity, start
+    Body            a fixed or loose body, made by the next two
+    fixed           a body that does not move
     simulated       a loose body, which obeys the laws of physics
     moving          a body whose pose is given per frame, such as a door or a lift; one of the avatars of a scene
     Piece           one convex shape at its place on a body
     Sphere, Capsule, Box, Ellipsoid, ConvexHull     the shapes
     capsule_between the Piece of a capsule from one point to another
-    pieces_of_mesh  convex pieces of a mesh file, with a bound of their distance from it (needs the extra `assets`)
+    pieces_of_mesh  convex pieces of a mesh file, with a bound on their distance from it (needs the extra `assets`)
     Mass            mass, centre of mass and inertia of a body or link
-    solid           the Mass of pieces that are solid and even
+    solid           the Mass of pieces that are solid and of uniform density
     PairTable       materials: a ContactLaw for every pair of names; the default has wood, human and metal, as in the paper
     ContactLaw      restitution and friction of a pair
 
@@ -50,45 +50,45 @@ Avatars
 -------
     rigid_avatar    a driven body without joints
     Avatar          a tree of links, driven by a tracker
-    Drive           the spring that ties an avatar to its user, if it is not that of the options
+    Drive           the spring between an avatar and its user, if it differs from that of the options
     Link            a rigid part of an avatar: its joint, pieces and mass
-    Free            the joint of a root that goes where its user goes
-    Rigid           no motion against the parent
+    Free            the joint of a root that follows its user
+    Rigid           no motion relative to the parent
     Hinges, Hinge   one to three hinges that share a centre, and one of them with its limits
     Slide           a prismatic joint with its limits
     Coupling        a hinge or a slide that follows another one
     Ball            a ball and socket
     SwingTwist      limits of a ball: a cone for the limb, an interval for the twist about it
-    TrackerSample   what the user did at one instant: the posture of all avatars
+    TrackerSample   measured posture of all avatars at one instant
     rest            the sample with every joint at zero
-    posed           the sample with joints at values by their names
+    posed           the sample with joint values given by name
     from_xyzw       quaternions (w, x, y, z) of those of ROS, Unity, OpenXR and scipy, which are scalar last
-    link_poses      forward kinematics: where a sample puts the links of avatars
+    link_poses      forward kinematics: poses of the links of avatars for a sample
 
 Files
 -----
     load_avatar     avatar, room and loose bodies of an MJCF or URDF file (needs the extra `assets`)
-    load_room       a room from such a file, from a mesh, or the word "floor"
+    load_room       a room from such a file, from a mesh, or from the word "floor"
     load_object     the object of a motion file, such as a box, with its shape and its recorded poses
-    load_motion     a motion file: BVH, AMC, npz, csv, the 44 columns of DeepMimic; and how to write it again
-    Model           what these give: the avatar, its coordinates in the file's order, the bodies, what was done on the way
+    load_motion     a motion file: BVH, AMC, npz, csv, the 44 columns of DeepMimic; and a way to write it again
+    Model           content of a model file: avatar, coordinates in the file's order, bodies, notes on changes and guesses
 
 Frames
 ------
     AvatarsimEngine load, advance, contacts; reset, change, snapshot, restore, posture, put, close
-    Settings        preset, options, seed, and what is recorded
-    FrameRecord     what `advance` returns: the state shown, joint angles, counts, statuses
+    Settings        preset, options, seed, and the quantities that are recorded
+    FrameRecord     result of `advance`: the state shown, joint angles, counts, statuses
     Snapshot        positions, orientations and velocities of all bodies at one instant
-    Contact         where two bodies touch: their names, point, normal, gap
+    Contact         a contact of two bodies: their names, point, normal, gap
     advance_many    a frame of many engines at once, on several threads
-    show            a window in the browser on a loop of one's own, or a page of a recording (needs the extra `view`)
+    show            a browser window on a loop of your own, or a page of a recording (needs the extra `view`)
 
 Cleaning
 --------
     Motion          postures of one avatar at times
-    clean           the nearest motion without overlap, proved free in frames and between them
-    audit           measures of a motion as it is
-    Shield          the same for a stream of postures: generalized coordinates in, certified ones out
+    clean           the nearest motion without overlap, certified in frames and between them
+    audit           measures of an unchanged motion
+    Shield          `clean` for a stream of postures: generalized coordinates in, certified ones out
 
 Comparing
 ---------
@@ -96,13 +96,13 @@ Comparing
 
 Errors
 ------
-    AvatarsimError  the root of all that is raised on purpose
-    InvalidInput    a value outside its valid range, and all kinds of it (avatarsim.errors lists them)
+    AvatarsimError  the base class of all errors raised on purpose
+    InvalidInput    a value outside its valid range; the base of several errors (avatarsim.errors lists them)
     StartOverlaps   the first pose overlaps; names the pairs and their depths
-    WorldsFailed    some worlds of `advance_many` failed; holds the records of the others
+    WorldsFailed    some worlds of `advance_many` failed; contains the records of the others
 
-Rarer names are in their modules: `avatarsim.scene` (reach cones, effects), `avatarsim.settings` (every option, its unit and
-its effect), `avatarsim.errors`. Nothing of the engine is imported before a name is used.
+Less common names are in their modules: `avatarsim.scene` (reach cones, effects), `avatarsim.settings` (every option, its unit
+and its effect), `avatarsim.errors`. Nothing of the engine is imported before a name is used.
 """
 
 from importlib import import_module
@@ -165,14 +165,14 @@ _MODULES = {
     "scene.tracker": ("TrackerSample", "from_xyzw", "link_poses", "rest"),
     "simulator": ("AvatarsimEngine",),
 }
-"""Module -> its public names: those above, for a running Python."""
+"""Public names of each module: the imports above, for a running Python."""
 
 _MODULE_OF = {name: f"{__name__}.{module}" for module, names in _MODULES.items() for name in names}
 
-if not TYPE_CHECKING:  # else every name that is misspelt would have a type
+if not TYPE_CHECKING:  # otherwise every misspelt name would have a type
 
     def __getattr__(name: str) -> object:
-        """Import a public name when it is first used (PEP 562): the engine brings a compiler, which takes half a second."""
+        """Import a public name at its first use (PEP 562): the engine imports a compiler, which takes half a second."""
         if name not in _MODULE_OF:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         found = getattr(import_module(_MODULE_OF[name]), name)
