@@ -1,6 +1,7 @@
 """Extras: the packages of each, the pins it needs, and the command named when a package is missing."""
 
 import ast
+import re
 import tomllib
 from importlib import metadata
 from pathlib import Path
@@ -11,7 +12,7 @@ from packaging.utils import canonicalize_name
 
 from avatarsim import errors
 from avatarsim.assets.models.mujoco_versions import FAULTY
-from avatarsim.errors import bringing
+from avatarsim.errors import MissingPackage, bringing
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -84,3 +85,15 @@ def test_an_installed_engine_names_what_its_metadata_lists(tmp_path: Path, monke
     monkeypatch.setattr(errors.metadata, "requires", lambda name: required)
     assert bringing("assets", "coacd", tmp_path) == "pip install 'coacd>=1.0.7' 'trimesh>=5.0'"
     assert bringing("nothing", "coacd", tmp_path) == "pip install coacd"
+
+
+def test_files_need_readers_of_meshes_coacd_and_mujocos_compiler() -> None:
+    wanted = {"trimesh", "pycollada", "coacd", "fast-simplification", "mujoco"}
+    assert {Requirement(line).name for line in EXTRAS["assets"]} == wanted
+    assert not closure(EXTRAS["assets"]) & {"gymnasium", "gymnasium-robotics", "pybullet"}
+
+
+def test_from_a_checkout_the_command_names_its_folder() -> None:
+    said = str(MissingPackage("trimesh", "assets", "reading .stl meshes"))
+    [(quoted, folder)] = re.findall(r"pip install ('?([^'\[]+)\[assets\]'?), or `make setup`", said)
+    assert Path(folder) == ROOT and quoted == f"'{ROOT}[assets]'"

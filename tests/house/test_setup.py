@@ -225,3 +225,19 @@ def test_compiler_is_looked_for_on_path(tmp_path: Path, monkeypatch: pytest.Monk
     _fake_python(tmp_path / "g++", "")
     monkeypatch.setenv("CC", "my-cc -pthread")
     assert "my-cc" in install.compiler_obstacle()
+
+
+@pytest.mark.parametrize(
+    ("output", "named"),
+    [
+        ("ERROR: THESE PACKAGES DO NOT MATCH THE HASHES FROM ...", "hash"),
+        ("OSError: [Errno 28] No space left on device", "disk"),
+        ("Temporary failure in name resolution", "network"),
+        ("ERROR: No matching distribution found for coal==3.0.3", "coal==3.0.3"),
+        ("ERROR: something else\nnoise", "something else"),
+        ("", ""),
+    ],
+)
+def test_a_failure_of_pip_is_named_on_one_line(output: str, named: str) -> None:
+    sentence = _load("install").pip_sentence(output)
+    assert sentence and named in sentence and "\n" not in sentence

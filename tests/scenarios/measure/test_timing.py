@@ -115,3 +115,22 @@ def test_no_tail_is_given_below_a_95th_percentile_over_fewer_frames() -> None:
     assert isinstance(tail, Missing) and "3 x 50 frames" in tail.reason and isinstance(found["frame_time_raw_p99"], Missing)
     whole = frame_times(Timed(around))
     assert whole["frame_time_p95"] == whole["frame_time_p99"] == 1.0
+
+
+def test_shares_of_the_frames_are_those_of_a_sorted_list() -> None:
+    """201 frames of 0 to 200 us, out of order: the share of frames is the time; slower repeats show in the raw ones alone."""
+    fast = np.random.default_rng(0).permutation(201) * 1000
+    found = frame_times(Timed(np.array([fast, fast + 400_000, fast + 800_000])))
+    assert (found["frame_time_p50"], found["frame_time_p95"], found["frame_time_p99"]) == (100.0, 190.0, 198.0)
+    # of all repeats together: 0 to 200, 400 to 600, 800 to 1000
+    every = np.sort(np.concatenate([np.arange(201.0) + 400.0 * k for k in range(3)]))
+    for share in (95, 99):
+        below = np.mean(every <= found[f"frame_time_raw_p{share}"])
+        assert below == pytest.approx(share / 100.0, abs=1.0 / len(every))
+
+
+def test_frames_that_wait_plan_and_follow_are_a_sum_over_the_run() -> None:
+    numbers = {name: np.array([9, 1, 0, k, 1]) for k, name in enumerate(("waiting", "planning", "following", "out_of_work"))}
+    found = work(replace(resting(fist_scene(), 4), counts=numbers))
+    # the first state is no frame
+    assert found == {"waiting": 2.0, "planning": 3.0, "following": 4.0, "out_of_work": 5.0}

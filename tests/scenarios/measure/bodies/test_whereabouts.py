@@ -12,30 +12,31 @@ from tests.scenarios.examples import drop, drop_scene, resting
 NAN = np.full(3, np.nan)
 
 
-def of(measure: object, by: np.ndarray, **expects: object) -> float:
-    """Return the figure of a ball displaced `by` from its start in the last frames."""
+def of(measure: object, metric: str, by: np.ndarray, **expects: object) -> float:
+    """Return the only figure, a `metric`, of a ball displaced `by` from its start in the last frames."""
     recording = resting(drop_scene(), 5)
     recording.positions[3:, drop_scene().names.index("ball")] += by
     region = Region(("ball", "slab"), (-1.0, -1.0, -1.0), (0.2, 1.0, 2.0), "because")
-    (value,) = measure(recording, replace(drop(5), expects=expects, regions=(region,)), drop_scene()).values()  # type: ignore[operator]
-    return float(value)
+    found = measure(recording, replace(drop(5), expects=expects, regions=(region,)), drop_scene())  # type: ignore[operator]
+    assert list(found) == [metric]
+    return float(found[metric])
 
 
 @pytest.mark.parametrize(("way", "missing"), [
     (np.array([0.075, 0.0, 0.1]), 0.375), (np.zeros(3), 0.5), (np.array([1.2, 0.0, 1.6]), 0.0), (NAN, 0.5),
 ])
 def test_the_shortfall_of_a_stated_way_is_the_figure(way: np.ndarray, missing: float) -> None:
-    assert of(travel, way, travel={"ball": 0.5}) == pytest.approx(missing)
+    assert of(travel, "travel_missing", way, travel={"ball": 0.5}) == pytest.approx(missing)
 
 
 @pytest.mark.parametrize(("lower", "fallen"), [(0.75, 0.75), (-0.2, 0.0), (np.nan, np.nan)])
 def test_what_slips_out_of_a_hand_has_fallen_by_its_height(lower: float, fallen: float) -> None:
-    assert of(grasp, np.array([0.3, 0.0, -lower]), grasped=("ball",)) == pytest.approx(fallen, nan_ok=True)
+    assert of(grasp, "grasped_fall_end", np.array([0.3, 0.0, -lower]), grasped=("ball",)) == pytest.approx(fallen, nan_ok=True)
 
 
 @pytest.mark.parametrize(("way", "share"), [(np.array([0.3, 0.0, 0.0]), 50.0), (np.array([0.1, 0.0, 0.0]), 0.0), (NAN, 50.0)])
 def test_the_share_of_bodies_that_left_their_region(way: np.ndarray, share: float) -> None:
-    assert of(escapes, way) == share
+    assert of(escapes, "escaped_bodies", way) == share
 
 
 def test_the_farthest_move_of_the_first_state_is_the_figure() -> None:
