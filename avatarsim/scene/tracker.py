@@ -76,10 +76,6 @@ def _sound(sample: TrackerSample, links: int, hinges: int) -> bool:
     return bool(sound) and type(sample.time) is float and isfinite(sample.time)
 
 
-SHORTEST_QUATERNION, LONGEST_QUATERNION = 1e-3, 1e3
-"""Largest component that a quaternion has to have at least and may have at most. Below, it is a pose that was never filled in."""
-
-
 def from_xyzw(quaternions: ArrayLike) -> Array:
     """Return unit quaternions (..., 4) in the engine's order (w, x, y, z) from scalar-last ones (x, y, z, w).
 
@@ -98,13 +94,12 @@ def from_xyzw(quaternions: ArrayLike) -> Array:
         raise InvalidSample("quaternions", quaternions, "real numbers of shape (..., 4)") from None
     if q.shape[-1:] != (4,):
         raise InvalidSample("shape of quaternions", q.shape, "(..., 4): x, y, z, w")
-    largest = np.abs(q).max(axis=-1)
-    # written so that numbers that are not finite fail too
-    is_sound = (largest >= SHORTEST_QUATERNION) & (largest <= LONGEST_QUATERNION)
+    lengths = np.linalg.norm(q, axis=-1)
+    is_sound = np.isfinite(lengths) & (lengths > 0.0)
     if not is_sound.all():
         at = tuple(int(k) for k in np.argwhere(~is_sound)[0])
         thing = f"quaternion {list(at)}" if at else "quaternion"
-        raise InvalidSample(thing, q[at].tolist(), "four finite numbers, x, y, z, w, of length 1")
+        raise InvalidSample(thing, q[at].tolist(), "four finite numbers, x, y, z, w, not all 0")
     return rotation.unit(q[..., [3, 0, 1, 2]])
 
 

@@ -129,9 +129,9 @@ def locked() -> str:
 
 def example() -> tuple[str, str]:
     """Return README's example and its documented output."""
-    [code] = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
-    [said] = re.findall(r"^print\(.*\)  # (\[.*\]): .*$", code, re.MULTILINE)
-    return code, said
+    code, *_ = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    [printed] = re.findall(r"^print\(.*\)  # ([\d.]+):", code, re.MULTILINE)
+    return code, printed
 
 
 def as_nobody() -> dict[str, Any]:

@@ -43,7 +43,7 @@ AHEAD = 3e-3
 TURN = 5e-4
 """[s] after which a thread of this process releases Python's lock. Python's own 5 ms is longer than `AHEAD`, so that a target
 would come a frame late; shorter: threads do little but switch."""
-TOLD, TIMED = 0.125, 1.0
+OVERLAP_INTERVAL, TIMING_INTERVAL = 0.125, 1.0
 """[s] between two measurements of overlaps, and between two of timing. Shorter: they take the time of drawing."""
 NEWEST = 8
 """Largest number of states that a word is about: those of two drawings at the usual rates."""
@@ -145,14 +145,14 @@ class Page:
         sys.setswitchinterval(TURN)
         hands = threading.Thread(target=self._lead, name="avatarsim targets", daemon=True)
         hands.start()
-        drawn = told = timed = 0.0
+        drawn = measured = timed = 0.0
         try:
             while not until() and self._ended is None:
                 now = time.monotonic()
-                if now - told >= TOLD:
-                    told = now
+                if now - measured >= OVERLAP_INTERVAL:
+                    measured = now
                     self._tell()
-                if now - timed >= TIMED:
+                if now - timed >= TIMING_INTERVAL:
                     timed = now
                     self._time()
                 self.server.do(self._draw)

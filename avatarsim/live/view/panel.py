@@ -13,7 +13,7 @@ from avatarsim.live.drive.keys import KEYS
 from avatarsim.live.messages import Order, Switch
 from avatarsim.live.view.cameras import VIEWS
 from avatarsim.live.view.server import AdmittingServer
-from avatarsim.live.view.telling import AT_FIRST, STYLE
+from avatarsim.live.view.telling import FIRST_VISIT, STYLE
 
 if TYPE_CHECKING:
     from avatarsim.live.view.page import Page
@@ -40,7 +40,7 @@ class Panel:
         gui = server.gui
         gui.set_panel_label("avatarsim live")
         gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
-        gui.add_html(STYLE + AT_FIRST)
+        gui.add_html(STYLE + FIRST_VISIT)
         self.numbers = gui.add_html("")
         if page.shows.offered:
             group = gui.add_button_group("Compare with", tuple(plan.name for plan in page.shows.offered))

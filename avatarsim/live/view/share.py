@@ -32,8 +32,6 @@ PATIENCE = 120.0
 """[s] after which a filmed viewer need not send more pictures: one that draws in software takes up to 20 s for each."""
 PICTURE, PICTURES, FEWEST = (360, 560), 10.0, 6
 """Height and width [px] of a moving picture, its largest number of pictures a second, and the fewest of a slow viewer."""
-SOONEST = 1e-3
-"""[s] Shortest time that a viewer has for a picture."""
 START = 'startPlayer(document.getElementById("replay"), JSON.parse(document.getElementById("take").textContent));'
 """Script that starts the player."""
 
@@ -192,7 +190,7 @@ def filmed(client: viser.ClientHandle, say: Callable[[str], object], seconds: fl
         client.get_render(*PICTURE, timeout=PATIENCE)
         begin = time.monotonic()
         while (now := time.monotonic()) < begin + seconds or len(frames) < FEWEST:
-            frames.append(Image.fromarray(client.get_render(*PICTURE, timeout=max(SOONEST, end - now))[..., :3]))
+            frames.append(Image.fromarray(client.get_render(*PICTURE, timeout=max(0.0, end - now))[..., :3]))
             stamps.append(now)
             say(f"recording: {len(frames)} pictures in {time.monotonic() - begin:.0f} s")
             time.sleep(max(0.0, now + 1.0 / PICTURES - time.monotonic()))

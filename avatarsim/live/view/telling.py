@@ -33,7 +33,7 @@ STYLE = """<style>
 """Style of the numbers over the scene, left of viser's panel of 20em, which is a drawer in windows up to 36em wide. They are seen
 while it is closed; viser's notices, which lie at the top, go to the bottom."""
 
-AT_FIRST = (
+FIRST_VISIT = (
     '<img hidden alt="" src="data:image/gif;base64,R0lGODlhAQABAAAAACwAAAAAAQABAAA=" onload="'
     "if(matchMedia('(prefers-color-scheme: dark)').matches&&!location.search.includes('darkMode'))location.search='darkMode';"
     "else if(!window.isAtFirst&&matchMedia('(max-width: 36em)').matches)"

@@ -43,7 +43,7 @@ def led(time: float) -> TrackerSample:
 
 
 def hand_goes(after: float, mass: float, y: float) -> OfTime:
-    """Return the place [m] of a hand that goes on at the speed `after` [m/s] when it has struck a ball."""
+    """Return the place [m] of a hand that continues at the speed `after` [m/s] after it has struck a ball."""
     due = GAP / SPEED
 
     def at(time: float) -> tuple[float, float, float]:

@@ -213,3 +213,13 @@ def test_the_visuals_of_a_room_keep_to_their_bodies_beside_an_avatar(tmp_path: P
     model = av.load_avatar(written(tmp_path, SEEN, head=head))
     both = beside(model, av.load_room(written(tmp_path, '<body name="stone"><geom type="mesh" mesh="m"/></body>', head=head)))
     assert set(both.visuals) == {*model.visuals, "room_stone"} <= set(both.scene().names)
+
+
+def test_a_geom_stands_where_the_file_has_it(tmp_path: Path) -> None:
+    geom = '<geom type="box" size="0.1 0.2 0.3" pos="0.5 0 0" euler="90 0 0"/>'
+    body = f'<body name="shelf" pos="1 2 3" euler="0 0 90">{geom}</body>'
+    shelf = room_of(tmp_path, body)["shelf"]
+    piece = shelf.pieces[0]
+    np.testing.assert_allclose(shelf.position, (1.0, 2.0, 3.0))
+    np.testing.assert_allclose(rotation.rotate(shelf.orientation, piece.position), (0.0, 0.5, 0.0), atol=1e-15)
+    np.testing.assert_allclose(rotation.rotate(piece.orientation, (0.0, 0.0, 1.0)), (0.0, -1.0, 0.0), atol=1e-15)

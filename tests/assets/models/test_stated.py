@@ -329,3 +329,10 @@ def test_links_without_visuals_keep_their_collisions(tmp_path: Path) -> None:
     assert model.avatar is not None
     found = {link.name: [type(piece.shape) for piece in link.pieces] for link in model.avatar.links}
     assert found["a"] == [av.Box] and found["b"] == [av.Sphere]
+
+
+@pytest.mark.parametrize(("friction", "stays"), [(1.0, True), (0.5, True), (0.4, False)])
+def test_a_box_stays_on_a_ramp_by_the_friction_of_the_file(tmp_path: Path, friction: float, stays: bool) -> None:
+    of = f'friction="{friction}"'
+    places = played(av.load_room(mjcf(tmp_path, ramp(of, of))), 1.0)
+    assert bool(np.linalg.norm(places[-1] - places[5]) < 1e-3) is stays

@@ -14,7 +14,7 @@ from avatarsim.errors import InvalidFile
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
-from tests.assets.motions.robots import JOINTS, entries, held, robot, saved, walk
+from tests.assets.motions.robots import JOINTS, entries, held, puppet, robot, saved, walk
 
 FRAMES = 40
 XYZW = [0, 1, 2, 4, 5, 6, 3]
@@ -297,3 +297,11 @@ def test_quaternions_are_read_and_written_without_new_changes_of_sides(tmp_path:
         assert np.allclose(now[:10], was[:10]) and np.allclose(now[41:], was[41:])
     other = entries(found.written(motion.resampled(100.0), model))["joint_pos"][:, 3:7]
     assert ((other[1:] * other[:-1]).sum(axis=1) > 0.0).all()
+
+
+def test_balls_are_rows_of_four(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    q = np.concatenate([walk(5, 0), rotation.normalised(rng.normal(size=(5, 4))), rng.normal(size=(5, 2))], axis=1)
+    found = load_motion(saved(tmp_path / "some.npz", {"qpos": q, "fps": 30}))
+    motion = found.motion(puppet())
+    assert np.allclose(np.abs((motion.rotations[:, 1] * q[:, 7:11]).sum(axis=1)), 1.0) and np.allclose(motion.angles, q[:, 11:])
