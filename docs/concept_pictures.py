@@ -42,8 +42,8 @@ def user_and_avatar() -> str:
     return "".join((
         slab(60, top, 380, 90), fist(x, shown, False), fist(x, at, True),
         line(x + 52, shown, x + 52, at, INK, ARROWS), text(x + 62, 0.5 * (shown + at) + 5, "offset"),
-        text(x - 55, shown, "avatar: what is shown", AVATAR, "end"), text(x - 55, at + 12, "user: the tracker", USER, "end"),
-        text(455, top + 18, "a table, which"), text(455, top + 38, "nothing goes through"),
+        text(x - 55, shown, "avatar: on the screen", AVATAR, "end"), text(x - 55, at + 12, "user: the tracker", USER, "end"),
+        text(455, top + 18, "a table: nothing"), text(455, top + 38, "goes through it"),
     ))
 
 
