@@ -37,7 +37,7 @@ class Linkage(NamedTuple):
                       factors without the degrees that are at a limit
     held              (nd) flag: at its limit
     free_momentum, momentum   (nd) of each degree without contact, and with it
-    pushed, gained    (nd) momentum and rate of each degree by one impulse
+    pushed, gained    (nd), (nd, 8) momentum and rate of each degree by one impulse; its rates per unit force and unit torque
     force, torque (nl, 3) working memory: force and torque at each link, or its velocities
     mass, moment, inertia   (nl), (nl, 3), (nl, 3, 3) of each link with all that it carries, about its joint
     """
@@ -59,7 +59,7 @@ class Linkage(NamedTuple):
     free_momentum: Line
     momentum: Line
     pushed: Line
-    gained: Line
+    gained: Grid
     force: Vectors
     torque: Vectors
     mass: Line
@@ -83,7 +83,8 @@ def make_linkage(scene: Scene) -> Linkage:
         skel, joints, user, line(), line(), np.zeros((degrees, 2)), line(), elimination_parents(skel), np.zeros((degrees, 3)),
         np.zeros((degrees, 3)),
         ahead, np.zeros((degrees, widest)), np.zeros((degrees, widest)), np.zeros(degrees, np.int64), line(), line(), line(),
-        line(), np.zeros((links, 3)), np.zeros((links, 3)), np.zeros(links), np.zeros((links, 3)), np.zeros((links, 3, 3)),
+        np.zeros((degrees, 8)), np.zeros((links, 3)), np.zeros((links, 3)), np.zeros(links),
+        np.zeros((links, 3)), np.zeros((links, 3, 3)),
     )
 
 

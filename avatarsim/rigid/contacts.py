@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from avatarsim.collision.manifold import MANIFOLD_POINTS
 from avatarsim.jit.kernel import kernel
-from avatarsim.jit.layout import Grid, IndexGrid, IndexLine, Line, Matrices, Stack, Vectors
+from avatarsim.jit.layout import Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
 from avatarsim.rigid.contact_law import point_velocity, relative_velocity
+from avatarsim.rigid.responses import Responses, make_responses
 from avatarsim.spatial.tangent import Columns, columns, turned
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, perpendicular, put_row, row, scale, sub
 
@@ -89,33 +90,9 @@ NOT_DRIVEN, DRIVEN_A, DRIVEN_B = 0, 1, 2
 NOT_LINKED, AS_A = -1, -2
 """Instead of a block of responses: the body has no joints; it is a link of the avatar of A, whose block has both."""
 
-LINKED_ROOM = 512
-"""Room for contacts of links that respond with all of their avatar; further ones take no impulse."""
-
 SHARP, ROUND_A, ROUND_B, NORMAL_OF_ANOTHER, TWO_BALLS = 0, 1, 2, 4, 8
 """Flags of smoothness at a contact: neither surface, A's, B's, and that the normal is that of a third body's face, which does not
 turn. Or, alone, that both bodies are balls."""
-
-
-class Responses(NamedTuple):
-    """Velocities of the links of avatars per impulse at a contact.
-
-    used (1) blocks in use; first, links (blocks) body index of the root link of the avatar, and number of its links;
-    linear, angular (blocks, links, 3, 3) rows: velocities of each link per unit impulse along each axis of the contact.
-    """
-
-    used: IndexLine
-    first: IndexLine
-    links: IndexLine
-    linear: Stack
-    angular: Stack
-
-
-def make_responses(links: int) -> Responses:
-    """Allocate for avatars of at most so many links; nothing without any."""
-    room = LINKED_ROOM if links > 0 else 0
-    index, velocity = np.zeros(room, np.int64), np.zeros((room, links, 3, 3))
-    return Responses(np.zeros(1, np.int64), index, index.copy(), velocity, velocity.copy())
 
 
 class Contacts(NamedTuple):
@@ -194,8 +171,8 @@ def pace_of(gravity: Array) -> float:
     return 1.0 if pull == 0.0 else min(1.0, sqrt(pull / EARTH))
 
 
-def make_contacts(cap: int = ROOM, pace: float = 1.0, bodies: int = ROOM, links: int = 0) -> Contacts:
-    """Allocate room for ``cap`` contact points of so many ``bodies``, and of avatars with joints of so many ``links`` each."""
+def make_contacts(cap: int = ROOM, pace: float = 1.0, bodies: int = ROOM, links: int = 0, most: int = 0) -> Contacts:
+    """Allocate room for ``cap`` contact points of so many ``bodies`` and ``links`` with joints, at most so many of one avatar."""
     return Contacts(
         used=np.zeros(1, np.int64), body=np.zeros((cap, 2), np.int64), key=np.zeros(cap, np.int64),
         driven=np.zeros(cap, np.int64), face=np.zeros(cap, np.int64),
@@ -210,7 +187,7 @@ def make_contacts(cap: int = ROOM, pace: float = 1.0, bodies: int = ROOM, links:
         radii_a=np.zeros((cap, 3, 3)), radii_b=np.zeros((cap, 3, 3)), turns=np.zeros((cap, 2)),
         effective_mass=np.zeros((cap, 2)), cross_response=np.zeros((cap, 2)),
         pace=np.full(1, pace), approach=np.zeros(cap), rows=np.zeros((cap, ROW)), motion=np.zeros((bodies, MOTION)),
-        linked=np.full((cap, 2), NOT_LINKED), responses=make_responses(links),
+        linked=np.full((cap, 2), NOT_LINKED), responses=make_responses(bodies, links, most),
     )
 
 
@@ -224,7 +201,7 @@ def is_full(contacts: Contacts) -> bool:
 def lacks_responses(contacts: Contacts) -> bool:
     """Return whether there is no room for the response of another avatar with joints."""
     used = contacts.responses.used[0]
-    return bool(used > 0 and used >= contacts.responses.first.shape[0])
+    return bool(used > 0 and used >= contacts.responses.root.shape[0])
 
 
 @kernel

@@ -22,7 +22,8 @@ from avatarsim.model.skeleton import BALL, FREE, Skeleton, carry_links, has_angl
 from avatarsim.rigid.attached import add_attached, carried_by, carry_attached
 from avatarsim.rigid.contacts import Contacts, impulse_of
 from avatarsim.rigid.linkage_couplings import fold_limits, fold_matrix
-from avatarsim.rigid.solver import LANES, put_three
+from avatarsim.rigid.responses import LANES
+from avatarsim.rigid.solver import put_three
 from avatarsim.rigid.state import Memory
 from avatarsim.spatial.tangent import columns, put_columns, step_between, stepped, straightened, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, put_row, row, scale, sub
@@ -237,7 +238,7 @@ def rates_for(linkage: Linkage, low: int, high: int, momentum: Array, rate: Arra
                 if held[i] == 0:
                     rate[i] -= linkage.matrix[i, k - low] * rate[k]
     for i in range(high - 1, low - 1, -1):
-        if held[i] == 1:
+        if held[i] == 1 or rate[i] == 0.0:
             continue
         rate[i] = rate[i] / factor[i, i - low] if factor[i, i - low] > 0.0 else 0.0
         j = above[i]

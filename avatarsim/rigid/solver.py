@@ -19,13 +19,11 @@ from avatarsim.collision.conservative_advancement import LEAVING
 from avatarsim.jit.kernel import kernel
 from avatarsim.rigid.contact_law import in_friction_disc
 from avatarsim.rigid.contacts import DRIVEN_A, NOT_DRIVEN, NOT_LINKED, Contacts, Masses, axis, push_all, speed_along
+from avatarsim.rigid.responses import LANES
 from avatarsim.spatial.vec3 import Vec3, add, dot, put_row, row, scale, sub
 from avatarsim.tolerances import JUDGED, PROOF, ROUGH
 
 Array = NDArray[np.float64]
-
-LANES = 4
-"""Numbers taken at a time; the last one of each four is zero."""
 
 RESPONSE, RESPONSE_PARTS = 0, 4
 """M^-1 J^T of the normal, in so many parts of four: added to v and w of A and taken from v and w of B per impulse."""
@@ -47,6 +45,9 @@ TANGENT_RESPONSE = JACOBIANS + LANES * JACOBIAN_SIZE
 
 CROSS_RESPONSE = TANGENT_RESPONSE + 2 * LANES * RESPONSE_PARTS
 """Impulses along the tangents that balance the slip due to a unit impulse along the normal."""
+
+LINKS_PER_VISIT = 8
+"""Links that an impulse is applied to in the time of a visit of a contact point, measured. More: hands that press take longer."""
 
 
 @kernel
@@ -155,17 +156,18 @@ def add_velocity(motion: Array, body: int, at: int, added: Vec3, is_a: bool) -> 
 
 @kernel
 def apply_to_links(contacts: Contacts, k: int, d: Vec3) -> None:
-    """Apply the impulse d, in the frame of contact k, to the avatars with joints of its links."""
+    """Apply the impulse d, in the frame of contact k, to the touched links of the avatars of its links."""
     responses, motion = contacts.responses, contacts.motion
     for side in range(2):
         block = contacts.linked[k, side]
         if block < 0:
             continue
-        for link in range(responses.links[block]):
+        root = responses.root[block]
+        for p in range(responses.touches[root]):
+            body, v = responses.touched[root + p], responses.velocity[block, p]
             for at in range(0, 2 * LANES, LANES):
-                v = responses.linear[block, link] if at == 0 else responses.angular[block, link]
-                added = add(scale(row(v, 0), d[0]), add(scale(row(v, 1), d[1]), scale(row(v, 2), d[2])))
-                add_velocity(motion, responses.first[block] + link, at, added, True)
+                added = add(scale(three(v, 0, at), d[0]), add(scale(three(v, 1, at), d[1]), scale(three(v, 2, at), d[2])))
+                add_velocity(motion, body, at, added, True)
 
 
 @kernel
@@ -343,6 +345,17 @@ def sweeps(
 
 
 @kernel
+def visits_of_sweep(contacts: Contacts, first: int, last: int) -> int:
+    """Return the work of one sweep over contacts first <= k < last, in visits of contact points of bodies without joints."""
+    responses, links = contacts.responses, 0
+    for k in range(first, last):
+        for side in range(2):
+            if contacts.linked[k, side] >= 0:
+                links += responses.touches[responses.root[contacts.linked[k, side]]]
+    return int(last - first + links // LINKS_PER_VISIT)
+
+
+@kernel
 def passes(
     contacts: Contacts, first: int, last: int, tolerance: float, cap: int, grip: bool, before: Array, direction: Array,
 ) -> tuple[float, bool]:
@@ -352,9 +365,9 @@ def passes(
     for k in range(first, last):
         points += 1 if contacts.target[k] != -inf else 0
     of_face = points <= POINTS_OF_FACE and tolerance > PROOF
-    patience = PATIENCE_OF_FACE if of_face else PATIENCE
+    patience, work = PATIENCE_OF_FACE if of_face else PATIENCE, visits_of_sweep(contacts, first, last)
     for sweep in range(cap):
-        contacts.visits[0] += 2 * (last - first)
+        contacts.visits[0] += 2 * work
         worst, _ = gauss_seidel_sweep(contacts, first, last, False, grip, before)
         best = min(best, worst)
         if not (worst > tolerance) or (astray >= WANDERS and worst < WANDERING):

@@ -307,7 +307,9 @@ def make_memory(
         hold=Masses(np.where(simulated, inverse_mass, 0.0), inverse_inertia), inertia=np.zeros((n, 3, 3)), reach=reach, span=span,
         trial=Poses(*(field.copy() for field in poses)),
         paths=make_paths(dynamics.inertia.copy(), dynamics.inverse_inertia.copy(), round_), series=make_series(),
-        contacts=make_contacts(touching, pace_of(dynamics.gravity), n, most_links(dynamics.drive)),
+        contacts=make_contacts(
+            touching, pace_of(dynamics.gravity), n, len(dynamics.drive.linkage.skeleton.kind), most_links(dynamics.drive)
+        ),
         manifold=make_manifold(), scratch=make_scratch(),
         linear_end=np.zeros((n, 3)),
         angular_end=np.zeros((n, 3)), before=np.zeros((touching, 3)), direction=np.zeros((touching, 3)), boxes=np.zeros((n, 6)),

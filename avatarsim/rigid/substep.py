@@ -20,7 +20,7 @@ from avatarsim.rigid.link_rows import weigh_links
 from avatarsim.rigid.linkages import has_linkage, is_linked, move_linkages, show_linkages, weigh_linkages
 from avatarsim.rigid.margin_rows import aim_rows, find_rows, stand_off_of
 from avatarsim.rigid.near_pieces import list_pieces_of, may_go
-from avatarsim.rigid.solver import BIAS, lay_out, passes, solve_contacts, take_motion
+from avatarsim.rigid.solver import BIAS, lay_out, passes, solve_contacts, take_motion, visits_of_sweep
 from avatarsim.rigid.state import CONTACTS, GUARDED, SOLVES, WORK, Memory
 from avatarsim.rigid.swept_certificate import LEAST, least_of
 from avatarsim.rigid.ways import certify_all, set_ways, shared, shorten_ways, weigh_groups
@@ -165,8 +165,8 @@ def solve(
     contacts, count, active = memory.contacts, memory.contacts.used[0], 0
     for k in range(count):
         active += 1 if contacts.rows[k, BIAS] != -inf else 0
-    visited = contacts.visits[0]
-    sweeps = min(sweeps, max(LEAST_SWEEPS, visits_left(memory) // (2 * SHARE_OF_SOLVE * max(1, active))))
+    visited, work = contacts.visits[0], visits_of_sweep(contacts, 0, count) * active // max(1, count)
+    sweeps = min(sweeps, max(LEAST_SWEEPS, visits_left(memory) // (2 * SHARE_OF_SOLVE * max(1, work))))
     for _ in range(ROUNDS):
         passes(contacts, 0, count, tolerance, sweeps, True, memory.before, memory.direction)
         take_motion(contacts, 0, count, memory.linear_end, memory.angular_end)
