@@ -444,7 +444,7 @@ def solve_ways(
     find_rows(geometry, dynamics, poses, velocities, memory, h)
     sub_.lasting[0] = contacts.used[0]
     count, d = contacts.used[0], stand_off_of(memory)
-    fine = slow and sweeps_for(count) >= SWEEPS_OF_FINE
+    fine = slow and sweeps_for(count) >= SWEEPS_OF_FINE and not has_linkage(dynamics, members)
     sweeps = sweeps_for(count) if fine else SWEEPS
     weigh_from(contacts, memory.hold, 0.0, 0)
     weigh_links(dynamics, poses, memory, 0)
