@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from avatarsim.jit.arena import opened, packed, words_at
+from avatarsim.jit.arena import pack, view_arena, words_at
 from avatarsim.jit.kernel import entry_kernel, kernel
 from avatarsim.jit.layout import Array, Index, IndexLine, Line, Vectors
 from avatarsim.lower_loop import NOTHING_RECEIVED, STATUS_PLACES, IkLoop, IkParts, track
@@ -69,7 +69,7 @@ class Shown(NamedTuple):
 @kernel
 def show(world: Index, shown: Index) -> bool:
     """Write the shown state of a world; return False if a number of it is not finite."""
-    w, own = opened(world, WorldParts), opened(shown, Shown)
+    w, own = view_arena(world, WorldParts), view_arena(shown, Shown)
     for k in range(own.hinges.shape[0]):
         own.angles[k] = w.posture.angle[own.hinges[k]]
     return write_shown(w.poses.position, w.poses.rotation, own.centres, own.first, own.positions, own.orientations)
@@ -78,7 +78,7 @@ def show(world: Index, shown: Index) -> bool:
 @kernel
 def has_said(lower: Index) -> bool:
     """Return True if a lower loop has counted anything that a record shows as a status."""
-    counts = opened(lower, IkParts).working.counts
+    counts = view_arena(lower, IkParts).working.counts
     for place in SAID_AT:
         if counts[place] != 0:
             return True
@@ -97,7 +97,7 @@ def advance_worlds(jobs: Index, dt: float, nothing: Array) -> None:
         if upper.shape[0] > 0:
             jobs[k, STATUS] = advance_opened(world, upper, dt)
             if jobs[k, COUPLED] == 1:
-                memory = opened(upper, UpperParts).memory
+                memory = view_arena(upper, UpperParts).memory
                 track(world, target, lower, 0.0, True, memory.received, memory.moving)
         if lower.shape[0] > 0:
             jobs[k, SAID] = 1 if has_said(lower) else 0
@@ -112,7 +112,7 @@ class Output:
         # without simulated bodies only links move
         first = 0 if on.dynamics or on.coupling else world.skeleton.first
         angles = world.posture.angle[world.hinges]
-        self.words, self.shown = packed(Shown(world.centres, first, *shown_poses(world), angles, world.hinges))
+        self.words, self.shown = pack(Shown(world.centres, first, *shown_poses(world), angles, world.hinges))
 
 
 def job_of(

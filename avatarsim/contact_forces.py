@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from avatarsim.coupling.tracked_motion import last_and_now
 from avatarsim.frame import Frames
-from avatarsim.jit.arena import opened, packed
+from avatarsim.jit.arena import pack, view_arena
 from avatarsim.jit.kernel import entry_kernel, kernel
 from avatarsim.jit.layout import Index, IndexGrid, IndexLine, Line
 from avatarsim.lower_loop import IkLoop
@@ -106,7 +106,7 @@ def solve_exactly(dynamics: Dynamics, poses: Poses, memory: Memory, members: Ind
 @entry_kernel
 def solve_forces(world: Index, query: Index, dt: float, h: float) -> bool:
     """Find rows of all contacts, and impulses over h seconds, in ``memory.contacts``; return False without room for them."""
-    w, own = opened(world, WorldParts), opened(query, ForceParts)
+    w, own = view_arena(world, WorldParts), view_arena(query, ForceParts)
     for _ in range(ROUNDS):
         if not find_all_rows(w.geometry, own.dynamics, w.poses, own.velocities, own, dt, h):
             return False
@@ -120,7 +120,7 @@ def contacts_with_forces(frames: Frames, within: float, stand_off: float, dt: fl
     """Return contacts up to `within` [m] of the shown state, with their forces; of pairs of which at least one moves."""
     world = frames.world
     query = _query(frames, within, stand_off)
-    words, own = packed(query)
+    words, own = pack(query)
     if not solve_forces(world.words, words, dt, SUBSTEP):
         return ()
     found, contacts, names, pieces = [], own.memory.contacts, world.scene.names, len(world.geometry.body)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from avatarsim.engine import Moved
 from avatarsim.errors import StartOverlaps
 from avatarsim.ik.nearest_free import aim, is_free_at, make_free_search, search_from, value_of_posture
-from avatarsim.jit.arena import packed
+from avatarsim.jit.arena import pack
 from avatarsim.model.geometry import Poses, place
 from avatarsim.model.skeleton import BALL, FREE, HINGES, SLIDE, Posture
 from avatarsim.model.world import World, build, posture_of
@@ -67,7 +67,7 @@ class Postures:
 
     def __init__(self, world: World, weights: Array | None = None) -> None:
         self.world, count = world, len(world.scene.avatars)
-        self.words, own = packed(make_free_search(world, np.ones(count) if weights is None else weights))
+        self.words, own = pack(make_free_search(world, np.ones(count) if weights is None else weights))
         self.best, self.is_solved, self.is_seen = own.best, own.is_solved, own.is_seen
         self.avatar_of = own.avatars.avatar
         self.farthest = inf

@@ -45,7 +45,7 @@ from avatarsim.ik.state import (
     state_is_sound,
 )
 from avatarsim.ik.target import clip_to_limits, copy_posture, largest
-from avatarsim.jit.arena import opened, packed
+from avatarsim.jit.arena import pack, view_arena
 from avatarsim.jit.kernel import entry_kernel
 from avatarsim.jit.layout import Array, Index, IndexLine
 from avatarsim.model.skeleton import carry, forward
@@ -94,7 +94,7 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
     links may have moved. `moving` (nb): 1 for bodies that may have moved; empty if that is not known. Both in one
     kernel, since each kernel that calls `solve` compiles all of it.
     """
-    w, own, tracker = opened(world, WorldParts), opened(kept, IkParts), opened(target, TargetParts).posture
+    w, own, tracker = view_arena(world, WorldParts), view_arena(kept, IkParts), view_arena(target, TargetParts).posture
     geometry, skeleton, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
     trackers, settings, avatars = own.trackers, own.settings, own.avatars
     state, working, plan, ghost = own.state, own.working, own.plan, own.ghost
@@ -127,7 +127,7 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
 @entry_kernel
 def show_posture(world: Index, kept: Index) -> None:
     """Write poses of all avatars at the world's posture, and nothing else."""
-    w, own = opened(world, WorldParts), opened(kept, IkParts)
+    w, own = view_arena(world, WorldParts), view_arena(kept, IkParts)
     for avatar in range(own.avatars.first_link.shape[0] - 1):
         carry_avatar(w.skeleton, own.avatars, avatar, w.posture, own.working.still, w.poses, own.working.axes)
         place_avatar(w.geometry, w.skeleton, own.avatars, avatar, w.poses)
@@ -137,7 +137,7 @@ def show_posture(world: Index, kept: Index) -> None:
 def stand(world: Index, target: Index, kept: Index) -> None:
     """Place all avatars at the world's posture, which was written: their poses, and no contacts from elsewhere. Their users are
     at the target's, and have been there."""
-    w, own, tracker = opened(world, WorldParts), opened(kept, IkParts), opened(target, TargetParts).posture
+    w, own, tracker = view_arena(world, WorldParts), view_arena(kept, IkParts), view_arena(target, TargetParts).posture
     geometry, skeleton, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
     avatars, state, working, tracking = own.avatars, own.state, own.working, own.state.tracking
     clip_to_limits(skeleton, avatars, tracker, tracking, state.before)
@@ -159,7 +159,7 @@ def stand(world: Index, target: Index, kept: Index) -> None:
 def resume(world: Index, target: Index, kept: Index) -> None:
     """Resume tracking, found again at the target: the way there since it was lost is no motion of the users. It is caught up
     with, as fast as after a motion of that speed, and no velocity comes of it."""
-    w, own, tracker = opened(world, WorldParts), opened(kept, IkParts), opened(target, TargetParts).posture
+    w, own, tracker = view_arena(world, WorldParts), view_arena(kept, IkParts), view_arena(target, TargetParts).posture
     skeleton, avatars, state, working = w.skeleton, own.avatars, own.state, own.working
     clip_to_limits(skeleton, avatars, tracker, state.tracking, working.target)
     for avatar in range(avatars.first_link.shape[0] - 1):
@@ -202,7 +202,7 @@ class IkLoop:
             world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, np.array(world.scene.gravity), seed
         )
         self.settings = settings
-        self.words, own = packed(
+        self.words, own = pack(
             IkParts(coupled, np.zeros(1, dtype=np.int64), trackers, settings, *solver, *planner)
         )
         self.trackers, self.avatars, self.state, self.working = own.trackers, own.avatars, own.state, own.working

@@ -54,7 +54,7 @@ def collect(tree: Any, starts: dict[int, int]) -> None:
         raise TypeError(f"no image of {type(tree)}")
 
 
-def opened(kinds: tuple[Reference | None, ...]) -> Any:
+def view_arena(kinds: tuple[Reference | None, ...]) -> Any:
     """Return the function, for kernels, that takes arguments of which some are addresses, and returns them with references in
     their place, each of the type in `kinds`."""
 
@@ -114,7 +114,7 @@ class Referring:
 
 def entry_of(kernel: KernelDispatcher, kinds: tuple[Reference | None, ...]) -> CalledKernel:
     """A kernel that Python calls with addresses and that calls this one with references, as other kernels of the engine do."""
-    put = opened(kinds)
+    put = view_arena(kinds)
 
     def entry(*args: Any) -> Any:
         return kernel(*put(args))

@@ -15,7 +15,7 @@ from avatarsim.cleaning.result import Options
 from avatarsim.errors import InvalidInput
 from avatarsim.ik.chord import free_until, make_chord, nearest_at, pair_gaps
 from avatarsim.ik.clip_posture import clip_posture
-from avatarsim.jit.arena import packed
+from avatarsim.jit.arena import pack
 from avatarsim.model.conversion import mix_samples
 from avatarsim.model.skeleton import BALL, FREE
 from avatarsim.model.world import build, sample_arrays
@@ -43,7 +43,7 @@ class Chords:
 
     def __init__(self, scene: Scene) -> None:
         self.scene, self.world = scene, build(scene)
-        self.words, self.parts = packed(make_chord(self.world))
+        self.words, self.parts = pack(make_chord(self.world))
         self._owner, self._hinges = self.world.geometry.body, self.world.hinges
         kinds = self.world.skeleton.kind
         moves = np.repeat([avatar.moves for avatar in scene.avatars], [len(avatar.links) for avatar in scene.avatars])

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from avatarsim.cleaning.chords import Chords
 from avatarsim.ik.braking import Outcome, brake_once, posture_ahead, rest_at, step_towards
 from avatarsim.ik.rate_limits import make_braking
-from avatarsim.jit.arena import packed
+from avatarsim.jit.arena import pack
 from avatarsim.model.conversion import write_sample
 from avatarsim.model.world import sample_arrays
 from avatarsim.scene.tracker import TrackerSample
@@ -24,7 +24,7 @@ class LimitedFollower:
 
     def __init__(self, chords: Chords, speed: Array, acceleration: Array, dt: float, margin: float) -> None:
         self.chords, self._margin, self._opening = chords, margin, OPENING * dt
-        self._words, self._parts = packed(make_braking(chords.world, speed, acceleration, dt))
+        self._words, self._parts = pack(make_braking(chords.world, speed, acceleration, dt))
         self.outcome = Outcome.BRAKED
         self.is_input = False
 

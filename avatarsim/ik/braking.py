@@ -42,7 +42,7 @@ from avatarsim.ik.rate_limits import (
 )
 from avatarsim.ik.state import axis_at, keep_axis, slot_of
 from avatarsim.ik.target import clip_avatar, copy_posture
-from avatarsim.jit.arena import opened
+from avatarsim.jit.arena import view_arena
 from avatarsim.jit.kernel import entry_kernel, kernel
 from avatarsim.jit.layout import Line
 from avatarsim.model.conversion import read_sample, write_sample
@@ -330,7 +330,7 @@ def take(skel: Skeleton, is_found: bool, braking_out: Braking) -> int:
 @entry_kernel
 def rest_at(world: Index, chord: Index, braking: Index, positions: Array, rotations: Array, angles: Array) -> None:
     """Begin at rest at a posture, which has been checked and is free."""
-    w, c, b = opened(world, WorldParts), opened(chord, Chord), opened(braking, Braking)
+    w, c, b = view_arena(world, WorldParts), view_arena(chord, Chord), view_arena(braking, Braking)
     read_sample(positions, rotations, angles, c.hinges, b.shown)
     copy_posture(w.skeleton, b.avatars, 0, b.shown, b.target)
     b.step[:] = 0.0
@@ -343,7 +343,7 @@ def step_towards(
 ) -> tuple[int, bool]:
     """Take the step of a call towards a posture, which has been checked; return the outcome, and whether the posture is within
     the limits of joints. `margin` [m] is the gap that pairs keep, `opening` [m] the most that pairs below it open."""
-    w, c, b = opened(world, WorldParts), opened(chord, Chord), opened(braking, Braking)
+    w, c, b = view_arena(world, WorldParts), view_arena(chord, Chord), view_arena(braking, Braking)
     read_sample(positions, rotations, angles, c.hinges, c.start)
     clip_avatar(w.skeleton, b.avatars, 0, c.start, b.tracking, b.incoming)
     set_brake(b)
@@ -355,7 +355,7 @@ def step_towards(
 @entry_kernel
 def brake_once(world: Index, braking: Index) -> None:
     """Take the step of a call along the proved way to rest."""
-    w, b = opened(world, WorldParts), opened(braking, Braking)
+    w, b = view_arena(world, WorldParts), view_arena(braking, Braking)
     set_brake(b)
     take(w.skeleton, False, b)
 
@@ -365,7 +365,7 @@ def posture_ahead(
     world: Index, chord: Index, braking: Index, calls: int, positions_out: Array, rotations_out: Array, angles_out: Array
 ) -> None:
     """Write the posture after so many calls of braking from here."""
-    w, c, b = opened(world, WorldParts), opened(chord, Chord), opened(braking, Braking)
+    w, c, b = view_arena(world, WorldParts), view_arena(chord, Chord), view_arena(braking, Braking)
     total = float(max(b.calls[0], 1))
     for j in range(b.step.shape[0]):
         c.part[j] = (calls - calls * (calls + 1.0) / (2.0 * total)) * b.step[j]

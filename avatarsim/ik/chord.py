@@ -30,7 +30,7 @@ from avatarsim.collision.signed_distance import signed_distance, signed_distance
 from avatarsim.collision.support import gap_along
 from avatarsim.ik.make import empty_posture
 from avatarsim.ik.state import PairCache, axis_at, keep_axis, make_pair_cache, slot_of
-from avatarsim.jit.arena import opened
+from avatarsim.jit.arena import view_arena
 from avatarsim.jit.kernel import entry_kernel, kernel
 from avatarsim.jit.layout import IndexGrid, IndexLine, Line, Vectors
 from avatarsim.model.conversion import read_sample
@@ -426,7 +426,7 @@ def free_until(
 ) -> tuple[float, int, int]:
     """Return `go_along` from one posture (positions (nl, 3), rotations (nl, 4), angles (nh)) to the next, which have been
     checked, on the arenas of a world and of its `Chord`."""
-    w, c = opened(world, WorldParts), opened(chord, Chord)
+    w, c = view_arena(world, WorldParts), view_arena(chord, Chord)
     read_sample(positions, rotations, angles, c.hinges, c.start)
     read_sample(next_positions, next_rotations, next_angles, c.hinges, c.end)
     return go_along(w.geometry, w.skeleton, least, c)
@@ -441,7 +441,7 @@ def nearest_at(
 
     Of a pair that overlaps at home the gap is that beyond the depth that it may have, and it does not count where it is hardly
     deeper than at home."""
-    w, c = opened(world, WorldParts), opened(chord, Chord)
+    w, c = view_arena(world, WorldParts), view_arena(chord, Chord)
     geo, skel = w.geometry, w.skeleton
     read_sample(positions, rotations, angles, c.hinges, c.start)
     c.step[:] = 0.0
@@ -471,7 +471,7 @@ def pair_gaps(
 ) -> None:
     """Write the signed distance (m,) [m] at a posture of each pair (m, 2) of bodies, whether or not it may overlap; infinite
     without pieces. A distance above zero is known by its sign alone."""
-    w, c = opened(world, WorldParts), opened(chord, Chord)
+    w, c = view_arena(world, WorldParts), view_arena(chord, Chord)
     geo = w.geometry
     read_sample(positions, rotations, angles, c.hinges, c.start)
     c.step[:] = 0.0

@@ -27,7 +27,7 @@ from avatarsim.ik.qp import solve_qp
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import DROPPED, QUERIES, Array, Avatars, IkScratch, IkState, Index
 from avatarsim.ik.target import clip_avatar, copy_posture, largest
-from avatarsim.jit.arena import opened
+from avatarsim.jit.arena import view_arena
 from avatarsim.jit.kernel import entry_kernel, kernel
 from avatarsim.jit.layout import IndexLine
 from avatarsim.model.geometry import Geometry, Poses, allowed_depth, may_meet
@@ -344,7 +344,7 @@ def descend(
 @entry_kernel
 def aim(world: Index, search: Index) -> None:
     """Make the posture of the world, where all avatars are placed, the target of the search."""
-    w, own = opened(world, WorldParts), opened(search, FreeSearch)
+    w, own = view_arena(world, WorldParts), view_arena(search, FreeSearch)
     budget = own.state.budget
     budget.move[:], budget.turn[:], budget.moved[:], budget.turned[:] = FARTHEST_STEP, FARTHEST_STEP, 0.0, 0.0
     for avatar in range(own.avatars.first_link.shape[0] - 1):
@@ -378,7 +378,7 @@ def is_apart(geo: Geometry, skel: Skeleton, poses: Poses, margin: float, is_stri
 @entry_kernel
 def is_free_at(world: Index, search: Index, margin: float, is_strict: bool) -> bool:
     """Return True if the posture of the world is free; its poses are left in the world."""
-    w, own = opened(world, WorldParts), opened(search, FreeSearch)
+    w, own = view_arena(world, WorldParts), view_arena(search, FreeSearch)
     place_solved(w.geometry, w.skeleton, w.posture, w.poses, own)
     return is_apart(w.geometry, w.skeleton, w.poses, margin, is_strict, own)
 
@@ -386,7 +386,7 @@ def is_free_at(world: Index, search: Index, margin: float, is_strict: bool) -> b
 @entry_kernel
 def value_of_posture(world: Index, search: Index) -> float:
     """Return the f of the posture of the world, whose poses are at hand."""
-    w, own = opened(world, WorldParts), opened(search, FreeSearch)
+    w, own = view_arena(world, WorldParts), view_arena(search, FreeSearch)
     return value_at(w.skeleton, w.posture, w.poses, own)
 
 
@@ -394,7 +394,7 @@ def value_of_posture(world: Index, search: Index) -> float:
 def search_from(world: Index, search: Index, margin: float, is_strict: bool, most: float) -> tuple[float, int]:
     """Return the f of the free posture that is found from the posture of the world, and left in `best`; infinite where none is
     with less than about `most`. And the work, in units of about a microsecond, counted so that results repeat."""
-    w, own = opened(world, WorldParts), opened(search, FreeSearch)
+    w, own = view_arena(world, WorldParts), view_arena(search, FreeSearch)
     own.scratch.counts[:] = 0
     least = restore(w.geometry, w.skeleton, margin, is_strict, w.posture, w.poses, most, own)
     if least < FAR * most:

@@ -1,16 +1,16 @@
 """Arena: nested named tuples of arrays in one piece of memory, which kernels read by the names of their fields.
 
 To call a kernel from Python costs 0.1 to 0.2 microseconds per array, nested or not: for the hundred arrays of a world and its
-memory as much as the kernel itself takes. Here they lie in one array of 64-bit words. `packed` lays out a named tuple, and
-returns it over views, for use in Python; `opened(words, Kind)` is the same tuple again, in a kernel by reference
+memory as much as the kernel itself takes. Here they lie in one array of 64-bit words. `pack` lays out a named tuple, and
+returns it over views, for use in Python; `view_arena(words, Kind)` is the same tuple again, in a kernel by reference
 (`by_reference`).
 
 The type of a field is given by its annotation alone: an array (`Line`, `Vectors`, ...), a record or a table (`record`), another
 named tuple, a number, a flag.
 
 Words: for which address of the words the image is right, how many addresses are in it, where these are listed, at which byte the
-image begins; per array or number a row with its place; then all data, the image, and the list. The image is the tuple as compiled
-code keeps it (`Image`). Copied words lie elsewhere: `opened` sees that and puts the addresses right.
+image begins, the tag of the layout; per array or number a row with its place; then all data, the image, and the list. The image
+is the tuple as compiled code keeps it (`Image`). Copied words lie elsewhere: `view_arena` sees that and puts the addresses right.
 """
 
 from collections.abc import Iterator
@@ -25,13 +25,13 @@ from numpy.typing import NDArray
 from avatarsim.errors import AvatarsimError
 from avatarsim.jit.by_reference import lying_at, referred
 from avatarsim.jit.kernel import config, kernel
-from avatarsim.jit.layout import NUMBERS, Axes, Index, axes_of, fields
+from avatarsim.jit.layout import NUMBERS, Axes, Index, axes_of, fields, layout_tag
 from avatarsim.jit.record import RECORDS, TABLES
 
 Tree = TypeVar("Tree")
 
-ADDRESS, MANY, LIST, IMAGE, FIRST = range(5)
-"""The first words of an arena, in the order above; the fifth begins the first row."""
+ADDRESS, MANY, LIST, IMAGE, TAG, FIRST = range(6)
+"""The first words of an arena, in the order above; the last begins the first row."""
 
 AXES_MOST = 4
 """Most axes of an array."""
@@ -42,8 +42,14 @@ ROW = 1 + AXES_MOST
 WORD = 8
 """Bytes of a word."""
 
+NO_LAYOUT = -1
+"""Tag of a tuple without names, which is packed but never viewed."""
 
-def packed(tree: Tree) -> tuple[Index, Tree]:
+OTHER_LAYOUT = "an arena of another layout: this is a defect"
+"""Message of the error for words that were packed from another named tuple."""
+
+
+def pack(tree: Tree) -> tuple[Index, Tree]:
     """Copy the arrays, records and numbers of nested tuples into one array of words.
 
     Returns the words, and the tuples with views of them in place of the arrays and records; numbers stay as they are. An array
@@ -66,7 +72,7 @@ def packed(tree: Tree) -> tuple[Index, Tree]:
     image.fill(WORD)
     listed = end + len(image.data) // WORD
     words = np.zeros(listed + len(image.addresses), dtype=np.int64)
-    words[:FIRST] = 0, len(image.addresses), listed, end * WORD
+    words[:FIRST] = 0, len(image.addresses), listed, end * WORD, layout_tag(type(tree)) if hasattr(tree, "_fields") else NO_LAYOUT
     words[end:listed] = np.frombuffer(bytes(image.data), dtype=np.int64)
     words[listed:] = end + np.array(image.addresses, dtype=np.int64) // WORD
     views: list[object] = []
@@ -172,8 +178,12 @@ def aligned(tree: object) -> int:
     return 1 if isinstance(tree, bool | np.bool_) else WORD
 
 
-def opened(words: Index, kind: type[Tree]) -> Tree:
-    """Return the named tuple of class `kind` that was packed into `words`, which must outlive it."""
+def view_arena(words: Index, kind: type[Tree]) -> Tree:
+    """Return the named tuple of class `kind` that was packed into `words`, which must outlive it.
+
+    Raises ValueError for words of another class: their tag differs."""
+    if words[TAG] != layout_tag(kind):
+        raise ValueError(OTHER_LAYOUT)
     return cast(Tree, _read(words, kind, iter(range(FIRST, len(words), ROW))))
 
 
@@ -211,10 +221,14 @@ if not config.DISABLE_JIT:
                 words[words[k]] += moved
             words[ADDRESS] += moved
 
-    @overload(opened)  # type: ignore[untyped-decorator]  # so are all of numba's
+    @overload(view_arena)  # type: ignore[untyped-decorator]  # so are all of numba's
     def _compiled(words: Any, kind: Any) -> Any:
         # numba wants the same annotations on both
+        tag = layout_tag(kind.instance_class)
+
         def body(words: Any, kind: Any) -> Any:
+            if words[TAG] != tag:
+                raise ValueError(OTHER_LAYOUT)
             put_right(words)
             return referred(words, words[IMAGE], kind)
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cache
+from hashlib import sha256
 from typing import Annotated, Any, get_type_hints
 
 import numba
@@ -76,3 +77,21 @@ def fields(kind: Any) -> tuple[Any, ...]:
         raise AvatarsimError(f"an arena holds no {kind}: this is a defect")
     hints = get_type_hints(kind, include_extras=True)
     return tuple(hints[name] for name in kind._fields)
+
+
+def layout_tag(kind: Any) -> int:
+    """Return a number that differs between named tuples whose fields differ in name, order or type."""
+    return int.from_bytes(sha256(_described(kind).encode()).digest()[:7])
+
+
+def _described(kind: Any) -> str:
+    if kind in NUMBERS:
+        return str(NUMBERS[kind])
+    if kind in RECORDS:
+        return str(RECORDS[kind].layout)
+    if kind in TABLES:
+        return f"{TABLES[kind]} table"
+    if axes := axes_of(kind):
+        return f"{axes.count} {axes.kind.__name__}"
+    inner = (f"{name}: {_described(one)}" for name, one in zip(kind._fields, fields(kind), strict=True))
+    return f"{kind.__name__}({', '.join(inner)})"

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import AvatarsimError, InvalidSample
-from avatarsim.jit.arena import opened, packed
+from avatarsim.jit.arena import pack, view_arena
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Index, IndexLine
 from avatarsim.model.conversion import read_sample, write_sample, write_shown
@@ -136,7 +136,7 @@ def build(scene: Scene) -> World:
     )
     placed = poses(geo, position + rotation.rotate(orientation, centres), orientation)
     posture = posture_of(skel, hinges, scene.first_sample)
-    words, (geo, masses, placed, speeds, skel, posture) = packed(
+    words, (geo, masses, placed, speeds, skel, posture) = pack(
         WorldParts(geo, dynamics(scene), placed, velocities(scene), skel, posture)
     )
     return World(scene, words, geo, skel, masses, placed, speeds, posture, centres, hinges)
@@ -159,7 +159,7 @@ def shown_again(world: World, before: tuple[Array, Array], first: int) -> tuple[
 @kernel
 def read_opened(positions: Array, rotations: Array, angles: Array, target: Index) -> bool:
     """Run `read_sample` on the arena of a target: a good sample becomes its posture, a bad one is forgotten."""
-    parts = opened(target, TargetParts)
+    parts = view_arena(target, TargetParts)
     if not read_sample(positions, rotations, angles, parts.hinges, parts.incoming):
         return False
     return read_sample(positions, rotations, angles, parts.hinges, parts.posture)
@@ -168,7 +168,7 @@ def read_opened(positions: Array, rotations: Array, angles: Array, target: Index
 @kernel
 def write_opened(world: Index, hinges: Index, positions_out: Array, rotations_out: Array, angles_out: Array) -> None:
     """Run `write_sample` for the posture in the arena of a world."""
-    write_sample(opened(world, WorldParts).posture, hinges, positions_out, rotations_out, angles_out)
+    write_sample(view_arena(world, WorldParts).posture, hinges, positions_out, rotations_out, angles_out)
 
 
 def shown_sample(world: World, time: float) -> TrackerSample:
@@ -191,7 +191,7 @@ class Target:
         self.world = world
         first = posture_of(world.skeleton, world.hinges, world.scene.first_sample)
         incoming = Posture(*(array.copy() for array in first))
-        self.words, (self.posture, _, hinges) = packed(TargetParts(first, incoming, world.hinges))
+        self.words, (self.posture, _, hinges) = pack(TargetParts(first, incoming, world.hinges))
         self._shapes = self.posture.root.shape, (len(self.posture.root), 4), hinges.shape
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:

@@ -10,7 +10,7 @@ from avatarsim.counters import Tally
 from avatarsim.coupling.tracked_motion import give_to_roots, tracked_velocities
 from avatarsim.engine import Snapshot
 from avatarsim.errors import InvalidScene
-from avatarsim.jit.arena import opened, packed
+from avatarsim.jit.arena import pack, view_arena
 from avatarsim.jit.kernel import entry_kernel
 from avatarsim.model.geometry import OPEN, Poses
 from avatarsim.model.world import Target, TargetParts, World, WorldParts
@@ -37,7 +37,7 @@ class PaperParts(NamedTuple):
 @entry_kernel
 def follow_printed(world: Index, target: Index, kept: Index, dt: float) -> None:
     """Run `follow_as_printed` on the arenas of a world, its target and the memory of the loop."""
-    w, own, tracker = opened(world, WorldParts), opened(kept, PaperParts), opened(target, TargetParts).posture
+    w, own, tracker = view_arena(world, WorldParts), view_arena(kept, PaperParts), view_arena(target, TargetParts).posture
     follow_as_printed(
         w.geometry, w.skeleton, tracker, dt, own.settings, own.coupling, own.attraction, w.posture, w.poses, own.memory
     )
@@ -66,7 +66,7 @@ class PaperLoop:
     ) -> None:
         require_turning_joints(world.scene)
         self.world = world
-        self._kept, own = packed(PaperParts(settings, coupling, attraction, make_paper_memory(world, seed)))
+        self._kept, own = pack(PaperParts(settings, coupling, attraction, make_paper_memory(world, seed)))
         self.memory = own.memory
         self._before = Poses(*(array.copy() for array in world.poses))
 

@@ -14,7 +14,7 @@ import numpy as np
 from avatarsim.collision.path import HELD, STILL
 from avatarsim.counters import Tally
 from avatarsim.engine import Snapshot
-from avatarsim.jit.arena import opened, packed
+from avatarsim.jit.arena import pack, view_arena
 from avatarsim.jit.kernel import entry_kernel, kernel
 from avatarsim.jit.layout import Index
 from avatarsim.model.dynamics import Dynamics, Velocities
@@ -114,7 +114,7 @@ class UpperParts(NamedTuple):
 @entry_kernel
 def advance_opened(world: Index, kept: Index, dt: float) -> int:
     """Run `advance` on the arenas of a world and of its upper loop."""
-    w, own = opened(world, WorldParts), opened(kept, UpperParts)
+    w, own = view_arena(world, WorldParts), view_arena(kept, UpperParts)
     return advance(w.geometry, w.dynamics, w.poses, w.velocities, dt, own.memory, own.events, own.switches)
 
 
@@ -132,7 +132,7 @@ class SimulatedLoop:
         switches = Switches(on.gyroscopic, on.continuous, on.sleeping, paper, record)
         memory = make_memory(world.geometry, world.dynamics, world.poses, on.gyroscopic, stand_off)
         events = make_events(len(world.scene.names), EVENTS_KEPT if record else 0)
-        self.words, (self.memory, self.events, _) = packed(UpperParts(memory, events, switches))
+        self.words, (self.memory, self.events, _) = pack(UpperParts(memory, events, switches))
         self._moving = np.flatnonzero(world.drive.moves)
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:

@@ -11,7 +11,7 @@ from avatarsim.collision.scratch import Scratch, make_scratch
 from avatarsim.collision.signed_distance import signed_distance
 from avatarsim.collision.warm_query import signed_distance_coherent
 from avatarsim.collision.warm_start import PairMemory, make_pair_memory
-from avatarsim.jit.arena import opened, packed
+from avatarsim.jit.arena import pack, view_arena
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Line
 from avatarsim.model.geometry import Geometry, Poses, geometry, place, poses
@@ -41,7 +41,7 @@ class Table(NamedTuple):
 @kernel
 def place_pairs(words: Index, first: int, last: int) -> None:
     """World vertices of the shapes of pairs first .. last - 1."""
-    t = opened(words, Table)
+    t = view_arena(words, Table)
     for b in range(2 * first, 2 * last):
         place(t.geometry, t.poses, b)
 
@@ -49,7 +49,7 @@ def place_pairs(words: Index, first: int, last: int) -> None:
 @kernel
 def cold_queries(words: Index, first: int, last: int) -> None:
     """Signed distances of pairs first .. last - 1, with nothing known about them."""
-    t = opened(words, Table)
+    t = view_arena(words, Table)
     vertices, shapes = t.poses.vertices, t.geometry.shapes
     for k in range(first, last):
         _, gap, _, _, _ = signed_distance(vertices, shapes, 2 * k, 2 * k + 1, (0.0, 0.0, 0.0), t.scratch)
@@ -59,7 +59,7 @@ def cold_queries(words: Index, first: int, last: int) -> None:
 @kernel
 def coherent_queries(words: Index, first: int, last: int) -> None:
     """Signed distances of pairs first .. last - 1, each begun from the result of its last query."""
-    t = opened(words, Table)
+    t = view_arena(words, Table)
     vertices, shapes = t.poses.vertices, t.geometry.shapes
     for k in range(first, last):
         _, gap, _, _, _ = signed_distance_coherent(vertices, shapes, 2 * k, 2 * k + 1, inf, t.scratch, t.memory, k)
@@ -77,7 +77,7 @@ class CompiledPairs:
         # a bound of the gap's zero along any ray: two radii about the centres, and the largest gap wanted
         self.reach = 1.0 + 2.0 * float(np.linalg.norm(rest.hulls.reshape(-1, 3), axis=1).max())
         table = Table(made, rest, np.zeros(self.count), make_scratch(), make_pair_memory(self.count))
-        self.words, self.table = packed(table)
+        self.words, self.table = pack(table)
 
     def pose(self, turns: Array, at: Array) -> None:
         """Set poses (2 n, 3, 3) and (2 n, 3) [m] without moving the vertices yet."""

@@ -16,15 +16,16 @@ from avatarsim.collision.warm_start import PairMemory, make_pair_memory
 from avatarsim.coupling.tracked_motion import make_tracked_motion
 from avatarsim.errors import AvatarsimError
 from avatarsim.ik.make import make_solver
-from avatarsim.jit.arena import Image, opened, packed
+from avatarsim.jit.arena import Image, pack, view_arena
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import FlagLine, Grid, Line, Matrices, Stack, numba_type
 from avatarsim.model.geometry import SHAPE
 from avatarsim.model.world import World, build
 from avatarsim.paper.state import make_paper_memory
 from avatarsim.planner.state import make_planner
-from avatarsim.rigid.state import Switches, make_events
+from avatarsim.rigid.state import DONE, Switches, make_events
 from avatarsim.rigid.state import make_memory as make_upper_memory
+from avatarsim.rigid.step import SimulatedLoop, advance_opened
 from avatarsim.scene.body import simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
@@ -73,7 +74,7 @@ def parts(world: World, cap: int = 3) -> dict[str, tuple]:
 
 def test_a_packed_tuple_is_the_same_tuple_in_one_memory() -> None:
     for name, part in parts(build(SCENE)).items():
-        words, views = packed(part)
+        words, views = pack(part)
         assert type(views) is type(part), name
         for mine, theirs in zip(leaves(part), leaves(views), strict=True):
             if isinstance(mine, np.ndarray):
@@ -89,7 +90,7 @@ def test_a_packed_tuple_is_the_same_tuple_in_one_memory() -> None:
 
 def test_no_two_arrays_overlap_unless_they_were_one() -> None:
     one, other = np.arange(5.0), np.arange(5.0)
-    _, (a, b, c, d) = packed((one, other, one, np.ones(3, dtype=bool)))
+    _, (a, b, c, d) = pack((one, other, one, np.ones(3, dtype=bool)))
     c[:] = 7.0
     assert (a == 7.0).all() and (b == other).all() and d.all()
     d[:] = False
@@ -100,7 +101,7 @@ def test_aliases_of_the_upper_loop_live_on() -> None:
     world = build(SCENE)
     memory = make_upper_memory(world.geometry, world.dynamics, world.poses)
     assert memory.strike.inverse_inertia is memory.hold.inverse_inertia
-    views = packed((memory,))[1][0]
+    views = pack((memory,))[1][0]
     assert same_memory(views.strike.inverse_inertia, views.hold.inverse_inertia)
     assert same_memory(views.round, views.paths.round)
 
@@ -114,7 +115,7 @@ def test_aliases_of_the_upper_loop_live_on() -> None:
 )
 def test_what_no_kernel_could_open_is_refused(bad: np.ndarray) -> None:
     with pytest.raises(AvatarsimError):
-        packed((bad,))
+        pack((bad,))
     with pytest.raises(AvatarsimError, match="str"):
         numba_type(str)
 
@@ -130,7 +131,7 @@ class Found(NamedTuple):
 def test_records_and_tables_are_opened_as_they_were_packed_by_kernels_too() -> None:
     scratch, memory = make_scratch(), make_pair_memory(3)
     scratch.w[5], memory.axis[2], memory.twin[1, 4] = (1.0, 2.0, 3.0), (4.0, 5.0, 6.0), (7, 8, 9)
-    words, (one, table, other) = packed(Found(scratch, memory, scratch))
+    words, (one, table, other) = pack(Found(scratch, memory, scratch))
     assert one == scratch and (table == memory).all() and type(table) is type(memory)
     other.rows[0, 1] = 3
     assert one.rows[0, 1] == 3 and scratch.rows[0, 1] == 0
@@ -141,7 +142,7 @@ def test_records_and_tables_are_opened_as_they_were_packed_by_kernels_too() -> N
 @kernel
 def sum_of_some(words: np.ndarray) -> float:
     """Return the numbers that the test above put into a scratch and a memory; all become 10."""
-    scratch, memory = opened(words, Found).one, opened(words, Found).table
+    scratch, memory = view_arena(words, Found).one, view_arena(words, Found).table
     total = 0.0
     for k in range(3):
         total += scratch.w[5, k] + memory.axis[2, k] + memory[1].twin[4, k]
@@ -154,7 +155,7 @@ def test_kernels_know_what_was_packed_by_its_annotations() -> None:
     target = cpu_target.target_context
     for name, part in parts(build(SCENE)).items():
         kind = numba_type(type(part))
-        assert kind == numba.typeof(packed(part)[1]), name
+        assert kind == numba.typeof(pack(part)[1]), name
         image = Image()
         image.lay(part, {id(leaf): 0 for leaf in leaves(part)})
         assert len(image.data) == target.get_abi_sizeof(target.get_value_type(kind)), name
@@ -191,7 +192,7 @@ class Framed(NamedTuple):
 @kernel
 def digits(words: np.ndarray) -> tuple[float, float]:
     """Return every part of a Mixed between two numbers, as digits of one number; the Mixed is left with its last turn doubled."""
-    framed = opened(words, Framed)
+    framed = view_arena(words, Framed)
     first, m, last = framed.first, framed.mixed, framed.last
     s = m.switches
     found = 1.0 * m.flag + 2.0 * m.two.flag + 4.0 * s.gyroscopic + 8.0 * s.continuous + 16.0 * s.sleeping + 32.0 * s.paper
@@ -209,7 +210,7 @@ def test_a_kernel_reads_every_kind_of_part_where_it_lies_also_when_the_words_wer
     grid, turns = np.arange(8.0).reshape(2, 4), np.arange(27.0).reshape(3, 3, 3)
     flags = np.array([True, False, True])
     mixed = Mixed(True, Two(False, grid), Switches(False, True, False, True, True), 1000, turns, flags, scratch, 0.5)
-    words, (_, views, _) = packed(Framed(10000, mixed, 0.125))
+    words, (_, views, _) = pack(Framed(10000, mixed, 0.125))
     expected = (1.0 + 8.0 + 32.0 + 64.0) * 8.0 + 5.0, 28.0 + 6.0 + 15.0 + 0.25 + 1000.0 + 0.5 + 10000.0 + 0.125 + 2 + 3 + 72 + 3
     assert digits(words) == expected and views.turns[1, 2, 0] == 30.0
     moved = words.copy()
@@ -219,7 +220,7 @@ def test_a_kernel_reads_every_kind_of_part_where_it_lies_also_when_the_words_wer
 
 def test_an_array_that_is_not_in_c_order_is_laid_out_in_c_order() -> None:
     turned = np.arange(6.0).reshape(2, 3).T
-    view = packed((turned,))[1][0]
+    view = pack((turned,))[1][0]
     assert (view == turned).all() and view.flags.c_contiguous
 
 
@@ -233,20 +234,44 @@ class Rest(NamedTuple):
     line: Line
 
 
+def view_swapped() -> None:
+    """View a world as the working memory of a step, and the other way round: both raise, in plain Python and compiled."""
+    world = build(SCENE)
+    upper = SimulatedLoop(world, paper=False, record=False)
+    for wrong in ((upper.words, upper.words), (world.words, world.words), (upper.words, world.words)):
+        with pytest.raises(ValueError, match="layout"):
+            advance_opened(*wrong, 1.0 / 60.0)
+    assert advance_opened(world.words, upper.words, 1.0 / 60.0) == DONE
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_swapped_arenas_raise(compiled: bool) -> None:
+    """In a process of its own where kernels are plain Python."""
+    if compiled:
+        view_swapped()
+    else:
+        plain("view_swapped")
+
+
+def plain(function: str) -> None:
+    """Run a function of this module with kernels in plain Python."""
+    code = f"from tests.jit.test_arena import {function}; {function}()"
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
 def open_everything() -> None:
-    """Run every opening in plain Python, where the opened views can be inspected: a compiled kernel may not return them."""
+    """Run every opening in plain Python, where the views can be inspected: a compiled kernel may not return them."""
     world = build(SCENE)
     rest = Rest(2.5, True, False, np.zeros((2, 3, 4, 5)), np.arange(3.0))
     for cap in (0, 3):
         for name, part in {**parts(world, cap), "rest": rest}.items():
-            words, views = packed(part)
-            found = opened(words, type(part))
+            words, views = pack(part)
+            found = view_arena(words, type(part))
             assert type(found) is type(part) and len(leaves(found)) == len(leaves(part)), name
             assert all(map(same_memory, leaves(views), leaves(found))), name
 
 
 def test_what_is_opened_is_what_was_packed_field_by_field() -> None:
-    code = "from tests.jit.test_arena import open_everything; open_everything()"
-    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    plain("open_everything")
