@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,8 +41,14 @@ def judged(folder: Path, before: Path | None = None, baseline: Path | None = Non
     """Judge a run; compare it with an earlier one, and with the committed baseline.
 
     Raises InvalidFile where results.json is missing, truncated or of another schema. An earlier run that cannot be read is left
-    out.
+    out. The last result is kept: a page and the summary in a terminal are of one judgement.
     """
+    results = folder / "results.json"
+    return _judged(folder, before, baseline, results.stat().st_mtime_ns if results.exists() else 0)
+
+
+@lru_cache(maxsize=1)
+def _judged(folder: Path, before: Path | None, baseline: Path | None, written: int) -> Judged:
     from reports.summaries.baseline import load
     from reports.tables.changes import against_baseline, changes
     from reports.tables.checks import checks

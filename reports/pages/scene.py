@@ -1,7 +1,10 @@
 """`scenes/NAME.html`: one scene played in every engine side by side, its charts over time, figures and settings."""
 
+import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field, replace
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +23,11 @@ from reports.tables.run import Run
 from runfiles.engines import about
 from runfiles.metrics import METRICS
 from runfiles.native_files import steps_written, written
+
+Task = tuple[str | None, str, str | None]
+
+IN_PARALLEL, CHUNK = 16, 4
+"""Scenes from which on pages are made in parallel, as a process takes some three seconds to start; pages it makes at a time."""
 
 UNDRAWABLE = (ArithmeticError, IndexError, KeyError, TypeError, ValueError)
 """Raised where a recording holds something that no picture shows."""
@@ -46,13 +54,47 @@ class Played:
 
 
 def scene_pages(run: Run, with_stills: frozenset[str]) -> Iterator[tuple[str, str, Played]]:
-    """Make (name, page, parts) of each scene, one by one; ``with_stills`` names scenes whose stills the index shows."""
+    """Make (name, page, parts) of each scene; ``with_stills`` names scenes whose stills the index shows.
+
+    Many pages are made by a process per core, since each reads its recordings. The parts come without replay and charts then."""
     groups = dict(tuple(run.rows.groupby("scenario", sort=False)))
-    names = list(groups)
-    for before, name, after in zip([None, *names], names, [*names[1:], None], strict=False):
-        seed = int(groups[name].seed.iloc[0])
-        played = _played(run, name, groups[name], seed, name in with_stills)
-        yield name, _page(run, name, groups[name], (before, after), played, seed), played
+    tasks = list(zip([None, *groups], groups, [*list(groups)[1:], None], strict=False))
+    pages = Pages(run, groups, with_stills)
+    if len(tasks) < IN_PARALLEL:
+        yield from map(pages.made, tasks)
+        return
+    with ProcessPoolExecutor(os.cpu_count() or 1, get_context("spawn"), _keep, (pages,)) as pool:
+        yield from pool.map(_made, tasks, chunksize=CHUNK)
+
+
+@dataclass(frozen=True, eq=False)
+class Pages:
+    """Maker of the pages of a run: rows by scene, and the scenes whose stills are wanted."""
+
+    run: Run
+    rows: Mapping[str, pd.DataFrame]
+    with_stills: frozenset[str]
+
+    def made(self, task: Task) -> tuple[str, str, Played]:
+        """Make (name, page, parts) of a scene, by its name between those of its neighbours."""
+        before, name, after = task
+        rows = self.rows[name]
+        seed = int(rows.seed.iloc[0])
+        played = _played(self.run, name, rows, seed, name in self.with_stills)
+        return name, _page(self.run, name, rows, (before, after), played, seed), played
+
+
+_PAGES: list[Pages] = []
+"""In a process of the pool: the maker of pages, which is sent once."""
+
+
+def _keep(pages: Pages) -> None:
+    _PAGES.append(pages)
+
+
+def _made(task: Task) -> tuple[str, str, Played]:
+    name, page, played = _PAGES[0].made(task)
+    return name, page, replace(played, replay=None if played.replay is None else {}, specs={}, lines={})
 
 
 def _played(run: Run, name: str, rows: pd.DataFrame, seed: int, with_stills: bool) -> Played:
