@@ -140,12 +140,12 @@ def stand(world: Index, target: Index, kept: Index) -> None:
     w, own, tracker = view_arena(world, WorldParts), view_arena(kept, IkParts), view_arena(target, TargetParts).posture
     geometry, skeleton, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
     avatars, state, working, tracking = own.avatars, own.state, own.working, own.state.tracking
-    clip_to_limits(skeleton, avatars, tracker, tracking, state.before)
+    clip_to_limits(skeleton, avatars, tracker, tracking, state.target_before)
     for avatar in range(avatars.first_link.shape[0] - 1):
         carry_avatar(skeleton, avatars, avatar, posture, working.still, poses, state.axes)
         place_avatar(geometry, skeleton, avatars, avatar, poses)
         copy_poses(geometry, skeleton, avatars, avatar, poses, working.trial)
-        copy_posture(skeleton, avatars, avatar, tracker, state.own)
+        copy_posture(skeleton, avatars, avatar, tracker, state.tracker_before)
         forget_forces(avatars, avatar, state)
         tracking.mode[avatar], tracking.has_model[avatar], tracking.has_arrived[avatar] = TRACK, 0, 0
         tracking.stalled[avatar], tracking.since[avatar], tracking.objective[avatar] = 0.0, 0.0, 0.0
@@ -164,12 +164,12 @@ def resume(world: Index, target: Index, kept: Index) -> None:
     clip_to_limits(skeleton, avatars, tracker, state.tracking, working.target)
     for avatar in range(avatars.first_link.shape[0] - 1):
         dt = state.tracking.frame_time[avatar]
-        tangent_error(skeleton, avatars, avatar, state.before, working.target, working.step)
+        tangent_error(skeleton, avatars, avatar, state.target_before, working.target, working.step)
         way = largest(working.step, avatars.first_dof[avatar], avatars.first_dof[avatar + 1])
         if dt > 0.0:
             state.tracking.speed[avatar] = max(state.tracking.speed[avatar], way / dt)
-        copy_posture(skeleton, avatars, avatar, working.target, state.before)
-        copy_posture(skeleton, avatars, avatar, tracker, state.own)
+        copy_posture(skeleton, avatars, avatar, working.target, state.target_before)
+        copy_posture(skeleton, avatars, avatar, tracker, state.tracker_before)
     if own.trackers.turn[0] >= 0:
         _, last = last_and_now(own.trackers)
         carry(skeleton, tracker, own.trackers.still, last, own.trackers.axes)

@@ -323,8 +323,8 @@ def carry_loops(old: Frames, new: Frames, both: Shared) -> None:
         taken(other.memory.tracked, one.memory.tracked, both.links)
         taken(other.memory.velocity, one.memory.velocity, both.links)
     if isinstance(one, IkLoop) and isinstance(other, IkLoop):
-        take_posture(other.state.before, one.state.before, both)
-        take_posture(other.state.own, one.state.own, both)
+        take_posture(other.state.target_before, one.state.target_before, both)
+        take_posture(other.state.tracker_before, one.state.tracker_before, both)
         taken(other.state.tracking.speed, one.state.tracking.speed, both.avatars)
         carry_coupling(old, new, one, other, both)
 

@@ -219,8 +219,8 @@ def freeze_coupled(skel: Skeleton, avatars: Avatars, dynamics: Dynamics, state_o
             tracking.speed[avatar] = speed if drive.tied[b] == b else max(tracking.speed[avatar], speed)
             tracking.ease[avatar], tracking.is_led[avatar] = 0.0, 1
             if drive.tied[b] == b:
-                clip_avatar(skel, avatars, avatar, drive.linkage.user, tracking, state_out.before)
-                copy_posture(skel, avatars, avatars.avatar[link], drive.linkage.user, state_out.own)
+                clip_avatar(skel, avatars, avatar, drive.linkage.user, tracking, state_out.target_before)
+                copy_posture(skel, avatars, avatars.avatar[link], drive.linkage.user, state_out.tracker_before)
 
 
 @kernel

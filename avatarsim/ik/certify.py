@@ -24,7 +24,7 @@ from avatarsim.spatial.vec3 import Rows, Vec3, add, along, dot, neg, row, sub
 
 
 @kernel
-def foresee(
+def carry_trial(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture: Posture, poses: Poses, first: int,
     last: int, is_soft: bool, state: IkState, scratch_out: IkScratch,
 ) -> bool:

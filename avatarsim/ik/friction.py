@@ -89,7 +89,8 @@ def hold(
     on_b = add(row(poses.position, other), (rows.arm[k, 3], rows.arm[k, 4], rows.arm[k, 5]))
     own = turned_back(columns(poses.rotation, body), arm)
     depth = dot(n, sub(on_b, add(row(o.aim, link), turned(columns(o.frame, link), own))))
-    speed = norm(displacement(skel, link, on_a, poses, state.axes, state.inertia.own)) / state.tracking.frame_time[avatar]
+    driven = displacement(skel, link, on_a, poses, state.axes, state.inertia.target_motion)
+    speed = norm(driven) / state.tracking.frame_time[avatar]
     most *= exp(-((speed / settings.sticking_speed) ** 2))
     if not (most > NOTHING and depth > NOTHING):
         return

@@ -42,9 +42,9 @@ def carry_momentum(
         tangent_error(skel, avatars, avatar, inertia.shown, posture, inertia.walk)
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
             inertia.walk[j] *= ratio
-            beyond = inertia.walk[j] - scratch.objective.own[j]
+            beyond = inertia.walk[j] - scratch.objective.target_motion[j]
             inertia.momentum[j] = beyond if t.is_led[avatar] > 0 else minmod(ratio * inertia.gone[j], beyond)
-            inertia.own[j], inertia.gone[j] = scratch.objective.own[j], 0.0
+            inertia.target_motion[j], inertia.gone[j] = scratch.objective.target_motion[j], 0.0
         t.frame_time[avatar], t.is_led[avatar] = dt, 0
         copy_posture(skel, avatars, avatar, posture, inertia.shown)
 
@@ -68,7 +68,7 @@ def forget_momentum(skel: Skeleton, avatars: Avatars, avatar: int, posture: Post
     """Set the velocity of an avatar at `posture` to zero."""
     inertia = state_out.inertia
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
-        inertia.momentum[j], inertia.walk[j], inertia.own[j], inertia.gone[j] = 0.0, 0.0, 0.0, 0.0
+        inertia.momentum[j], inertia.walk[j], inertia.target_motion[j], inertia.gone[j] = 0.0, 0.0, 0.0, 0.0
     state_out.tracking.is_led[avatar] = 0
     copy_posture(skel, avatars, avatar, posture, inertia.shown)
 
@@ -77,11 +77,11 @@ def forget_momentum(skel: Skeleton, avatars: Avatars, avatar: int, posture: Post
 def shorten_own(skel: Skeleton, avatars: Avatars, avatar: int, reach: float, objective_out: Objective) -> None:
     """Scale the target's own motion of one frame down to the distance of the target, so that an avatar never overtakes it."""
     o = objective_out
-    moved = longest_part(skel, avatars, avatar, o.own, 1.0, 1.0 / reach)
+    moved = longest_part(skel, avatars, avatar, o.target_motion, 1.0, 1.0 / reach)
     far = longest_part(skel, avatars, avatar, o.error, 1.0, 1.0 / reach)
     if far < moved:
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
-            o.own[j] *= far / moved
+            o.target_motion[j] *= far / moved
 
 
 @kernel
@@ -101,7 +101,7 @@ def resist(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, object
     if state.tracking.keep[avatar] == 0.0:
         return
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
-        o.newton[j] = goal_of(avatar, j, o.newton[j], state, o.own)
+        o.newton[j] = goal_of(avatar, j, o.newton[j], state, o.target_motion)
     way = sub(row(o.origin, root), row(o.aim, root))
     far = norm(way)
     if skel.kind[root] == FREE and far > 0.0:
@@ -116,7 +116,7 @@ def resist(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, object
 @kernel
 def resist_straight(avatars: Avatars, avatar: int, state: IkState, scratch_out: IkScratch) -> None:
     """Replace the tangent error by the step with inertia, unless the avatar is slow enough to end at its target."""
-    s, step, own, inertia, far = scratch_out, scratch_out.step, scratch_out.objective.own, state.inertia, 0.0
+    s, step, own, inertia, far = scratch_out, scratch_out.step, scratch_out.objective.target_motion, state.inertia, 0.0
     if state.tracking.keep[avatar] == 0.0:
         return
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):

@@ -125,10 +125,10 @@ def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, ax
     tracking["reach"], tracking["island"], tracking["ease"] = reach, np.arange(na), 1.0
     pairs = TOUCHING_PER_AVATAR * na
     # a target that begins where the avatar does has not leapt there
-    before, own, shown = (Posture(*(array.copy() for array in posture)) for _ in range(3))
+    target, tracker, shown = (Posture(*(array.copy() for array in posture)) for _ in range(3))
     nd = len(avatars.joint_of)
     state = IkState(
-        tracking, before, own, zeros(nl, 3), zeros(nl), make_contacts(ROWS_PER_AVATAR * na),
+        tracking, target, tracker, zeros(nl, 3), zeros(nl), make_contacts(ROWS_PER_AVATAR * na),
         Touching(indices(1), indices(pairs, 2), indices(pairs)), make_pair_cache(driven, len(geo.body)),
         indices(na, max(skel.first, 1)), indices(na), zeros(na, 6), axes, Budget(zeros(nl), zeros(nl), zeros(nl), zeros(nl),
         zeros(2)), Inertia(shown, zeros(nd), zeros(nd), zeros(nd), zeros(nd)),

@@ -27,22 +27,22 @@ more solve. A step that still exceeds it is shortened at the end."""
 
 @kernel
 def open_budget(
-    skel: Skeleton, avatars: Avatars, avatar: int, settings: PostureSettings, dt: float, speed: float, own: Array,
-    clipped_out: Array, budget_out: Budget,
+    skel: Skeleton, avatars: Avatars, avatar: int, settings: PostureSettings, dt: float, speed: float,
+    tracker_motion: Array, target_motion_out: Array, budget_out: Budget,
 ) -> None:
     """Fill an avatar's budget; speed [rad/s or m/s] is the low-passed one of the fastest target.
 
-    own, clipped (nd) are the motions of the tracker and of the clipped target in this frame. Joints of the latter turn no farther
-    than those of the tracker: beyond a cone a small turn of the tracker may send the clipped target around it."""
+    tracker_motion, target_motion (nd) are those of the tracker and of the clipped target in this frame. Joints of the latter turn
+    no farther than those of the tracker: beyond a cone a small turn of the tracker may send the clipped target around it."""
     b, share = budget_out, min(1.0, speed / AT_REST) * dt
     b.slack[0], b.slack[1] = SLACK * settings.catch_up_move * dt, SLACK * settings.catch_up_turn * dt
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        moved, turned = parts_of(skel, link, clipped_out)
-        _, turned_by_own = parts_of(skel, link, own)
-        if turned > turned_by_own:
+        moved, turned = parts_of(skel, link, target_motion_out)
+        _, turned_by_tracker = parts_of(skel, link, tracker_motion)
+        if turned > turned_by_tracker:
             first = skel.first_dof[link] + (3 if skel.kind[link] == FREE else 0)
-            scale_by(first, skel.first_dof[link + 1], turned_by_own / turned, clipped_out)
-            turned = turned_by_own
+            scale_by(first, skel.first_dof[link + 1], turned_by_tracker / turned, target_motion_out)
+            turned = turned_by_tracker
         b.move[link] = moved + settings.catch_up_move * share
         b.turn[link] = turned + settings.catch_up_turn * share
         b.moved[link], b.turned[link] = 0.0, 0.0

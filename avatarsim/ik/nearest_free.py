@@ -223,7 +223,7 @@ def value_at(skel: Skeleton, posture: Posture, poses: Poses, search_out: FreeSea
     for avatar in range(search_out.avatars.first_link.shape[0] - 1):
         if search_out.is_solved[avatar] > 0:
             tangent_error(skel, search_out.avatars, avatar, posture, s.target, s.objective.error)
-            locate(skel, search_out.avatars, avatar, state.own, state.tracking, s.objective)
+            locate(skel, search_out.avatars, avatar, state.tracker_before, state.tracking, s.objective)
             value, _ = value_of(skel, search_out.avatars, avatar, state, poses, s.objective)
             total += value
     return total
@@ -349,7 +349,7 @@ def aim(world: Index, search: Index) -> None:
     budget.move[:], budget.turn[:], budget.moved[:], budget.turned[:] = FARTHEST_STEP, FARTHEST_STEP, 0.0, 0.0
     for avatar in range(own.avatars.first_link.shape[0] - 1):
         clip_avatar(w.skeleton, own.avatars, avatar, w.posture, own.state.tracking, own.scratch.target)
-        copy_posture(w.skeleton, own.avatars, avatar, w.posture, own.state.own)
+        copy_posture(w.skeleton, own.avatars, avatar, w.posture, own.state.tracker_before)
         copy_posture(w.skeleton, own.avatars, avatar, w.posture, own.best)
         own.state.tracking.is_located[avatar] = 0
         carry_avatar(w.skeleton, own.avatars, avatar, w.posture, own.scratch.still, w.poses, own.state.axes)

@@ -71,7 +71,7 @@ def draw_near(
     c, first = objective_out, avatars.first_link[avatar]
     way = sub(row(c.origin, first), row(poses.position, skel.first + first))
     # the target's latest motion is followed in full
-    moved, _ = parts_of(skel, first, c.own)
+    moved, _ = parts_of(skel, first, c.target_motion)
     far, d = norm(way), LOSS_RADIUS * state.tracking.reach[avatar] + moved
     share = 1.0 - d / far if far > d else 0.0
     for link in range(first, avatars.first_link[avatar + 1]):
@@ -101,7 +101,7 @@ def model(
 
     The gradient alone decides where f is least; the metric only how the way there is shared out, and that it does not
     overshoot."""
-    locate(skel, avatars, avatar, state.own, state.tracking, objective_out)
+    locate(skel, avatars, avatar, state.tracker_before, state.tracking, objective_out)
     draw_near(skel, avatars, avatar, state, poses, objective_out)
     gather(skel, avatars, avatar, state, poses, objective_out)
     fall(skel, avatars, avatar, state.axes, objective_out)

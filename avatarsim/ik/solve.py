@@ -5,7 +5,7 @@ from avatarsim.ik.gaps import least_gap
 from avatarsim.ik.inertia import carry_momentum
 from avatarsim.ik.sqp_step import sqp_step, work_done
 from avatarsim.ik.state import Avatars, IkScratch, IkState
-from avatarsim.ik.target import clip_to_limits, meet_target
+from avatarsim.ik.target import clip_to_limits, open_budgets
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Index
 from avatarsim.model.geometry import Geometry, Poses
@@ -37,7 +37,7 @@ def begin_frame(
         s.counts[:] = 0
     form_islands(geo, skel, avatars, state, s)
     if dt > 0.0:
-        meet_target(skel, avatars, settings, tracker, dt, has_changed, state, s)
+        open_budgets(skel, avatars, settings, tracker, dt, has_changed, state, s)
         carry_momentum(skel, avatars, settings, dt, posture, state, s)
 
 

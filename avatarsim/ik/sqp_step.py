@@ -8,7 +8,7 @@ and the rest of the body makes up for it, frame by frame, to and fro.
 Contact forces of the last step, multipliers times normals: forces on each link, and how they bend the Lagrangian.
 """
 
-from avatarsim.ik.certify import certify, foresee
+from avatarsim.ik.certify import carry_trial, certify
 from avatarsim.ik.constraints import add_touching, along_row, is_solved_for, keep_touching, touch
 from avatarsim.ik.couplings import share_budget
 from avatarsim.ik.friction import FRICTION, add_friction
@@ -123,9 +123,9 @@ def sqp_step(
             break
     keep_touching(geo, skel, avatars, state, s)
     if failed > 0:
-        stay(geo, skel, avatars, settings, posture_out, poses_out, first, last, state, s)
+        hold_failed(geo, skel, avatars, settings, posture_out, poses_out, first, last, state, s)
     note_contacts(geo, skel, avatars, first, last, state, s)
-    return adopt(geo, skel, avatars, first, last, posture_out, poses_out, state, s)
+    return commit_step(geo, skel, avatars, first, last, posture_out, poses_out, state, s)
 
 
 @kernel
@@ -140,7 +140,7 @@ def try_qp(
         for _ in range(CUTS):
             choose_step(geo, skel, avatars, settings, poses, first, last, tolerance, state_out, s)
             s.counts[QPS] += 1
-            if not foresee(geo, skel, avatars, settings, posture, poses, first, last, is_soft, state_out, s):
+            if not carry_trial(geo, skel, avatars, settings, posture, poses, first, last, is_soft, state_out, s):
                 break
         for m in range(first, last):
             state_out.tracking.is_certified[s.members[m]] = 0
@@ -216,7 +216,7 @@ def scale_step(avatars: Avatars, avatar: int, factor: float, step_out: Array) ->
 
 
 @kernel
-def stay(
+def hold_failed(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture: Posture, poses: Poses, first: int,
     last: int, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
@@ -261,7 +261,7 @@ def note_contacts(
 
 
 @kernel
-def adopt(
+def commit_step(
     geo: Geometry, skel: Skeleton, avatars: Avatars, first: int, last: int, posture_out: Posture, poses_out: Poses,
     state_out: IkState, scratch_out: IkScratch,
 ) -> float:
@@ -270,9 +270,9 @@ def adopt(
     for m in range(first, last):
         avatar = s.members[m]
         low, high = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
-        note_way(avatars, avatar, s.step, s.objective.own, state_out)
+        note_way(avatars, avatar, s.step, s.objective.target_motion, state_out)
         for j in range(low, high):
-            s.objective.own[j] = 0.0
+            s.objective.target_motion[j] = 0.0
         moved = largest(s.step, low, high)
         most = max(most, moved)
         if moved == 0.0:

@@ -197,7 +197,8 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
     island: Index
     """The avatar with the least number in the same island."""
     is_legal: Index
-    """1 if the tracker's posture keeps all limits."""
+    """1 if the tracker's posture keeps all limits: then the target is that posture, the straight way may end at it, and the budget
+    of a frame is of its motion."""
     has_failed: Index
     """1 if a pair or a limit of this avatar failed at the trial."""
     is_certified: Index
@@ -278,14 +279,14 @@ class Inertia(NamedTuple):
     shown     posture at the start of the frame
     walk      (nd) displacement of the last frame, scaled to the length of this one
     momentum  (nd) initial velocity relative to the target
-    own       (nd) displacement of the target in this frame
+    target_motion  (nd) displacement of the clipped target in this frame, until a step follows it
     gone      (nd) displacement relative to the target so far in this frame
     """
 
     shown: Posture
     walk: Line
     momentum: Line
-    own: Line
+    target_motion: Line
     gone: Line
 
 
@@ -293,7 +294,7 @@ class IkState(NamedTuple):
     """State that stays from frame to frame.
 
     tracking          a row per avatar
-    before, own       the clipped target and the tracker's posture of the last frame
+    target_before, tracker_before   the clipped target and the tracker's posture of the last frame
     force             (nl, 3) [m] force of the contacts of the last step on each link: multipliers times normals, a
                       gradient of the objective [m^2]
     bend              (nl) [m^2] the inertia by which these forces bend the Lagrangian
@@ -308,8 +309,8 @@ class IkState(NamedTuple):
     """
 
     tracking: Tracking
-    before: Posture
-    own: Posture
+    target_before: Posture
+    tracker_before: Posture
     force: Vectors
     bend: Line
     contacts: Contacts
@@ -324,17 +325,17 @@ class IkState(NamedTuple):
 
 
 class Objective(NamedTuple):
-    """The quadratic model of one step: origin, frame the link origins (nl, 3) and rotations (nl, 3, 3) of the tracker's posture;
-    aim (nl, 3) these origins drawn near; error (nd) the tangent error to the clipped target; own (nd) the part of its own motion
-    in this frame that is still to be followed; number, inertia (nl), first, pull, load (nl, 3), second, twist (nl, 3, 3) moments
-    that `gather` sums up the trees; motion (nd, 6) of each degree; factor (nd, w) of the metric; newton (nd) the step to the
-    least of the model."""
+    """The quadratic model of one step: origin, frame the link origins (nl, 3) and rotations (nl, 3, 3) of the tracker's
+    posture; aim (nl, 3) these origins drawn near; error (nd) the tangent error to the clipped target; target_motion (nd)
+    the part of the target's motion in this frame that is still to be followed; number, inertia (nl), first, pull, load (nl,
+    3), second, twist (nl, 3, 3) moments that `gather` sums up the trees; motion (nd, 6) of each degree; factor (nd, w) of
+    the metric; newton (nd) the step to the least of the model."""
 
     origin: Vectors
     frame: Matrices
     aim: Vectors
     error: Line
-    own: Line
+    target_motion: Line
     number: Line
     inertia: Line
     first: Vectors

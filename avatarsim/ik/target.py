@@ -79,19 +79,22 @@ def drop_whole_turns(skel: Skeleton, avatars: Avatars, avatar: int, way_out: Arr
 
 
 @kernel
-def meet_target(
+def open_budgets(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, dt: float, has_changed: bool,
     state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Open the budgets of a frame from how far the target went since the last one; islands are formed.
 
+    Writes ``objective.target_motion``, which later stages follow, the budgets, speed and ease of tracking, and this frame's
+    target and tracker as ``target_before`` and ``tracker_before`` of the next.
+
     has_changed: whether a body that is no link moved, which may set an avatar free whose target holds still."""
     s, tracking, least = state_out, state_out.tracking, AT_REST if has_changed else 0.0
     # ways since the last frame: of the clipped target, and of the tracker's own posture
-    clipped_way, own_way, keeps = scratch_out.objective.own, scratch_out.step, exp(-dt / settings.settle_time)
+    target_motion, tracker_motion, keeps = scratch_out.objective.target_motion, scratch_out.step, exp(-dt / settings.settle_time)
     for avatar in range(avatars.first_link.shape[0] - 1):
-        tangent_error(skel, avatars, avatar, s.before, scratch_out.target, clipped_way)
-        speed = largest(clipped_way, avatars.first_dof[avatar], avatars.first_dof[avatar + 1]) / dt
+        tangent_error(skel, avatars, avatar, s.target_before, scratch_out.target, target_motion)
+        speed = largest(target_motion, avatars.first_dof[avatar], avatars.first_dof[avatar + 1]) / dt
         tracking.speed[avatar] = max(speed, keeps * tracking.speed[avatar])
         # a body that one avatar sets free another may hold, so the fastest of an island speaks for all of it
         first = tracking.island[avatar]
@@ -101,11 +104,11 @@ def meet_target(
         tracking.ease[avatar] = min(1.0, tracking.ease[avatar] + dt / settings.settle_time)
         fastest = min(AT_REST, max(least, tracking.speed[avatar])) * tracking.ease[avatar]
         if tracking.is_legal[avatar] > 0:
-            open_budget(skel, avatars, avatar, settings, dt, fastest, clipped_way, clipped_way, s.budget)
+            open_budget(skel, avatars, avatar, settings, dt, fastest, target_motion, target_motion, s.budget)
         else:
-            tangent_error(skel, avatars, avatar, s.own, tracker, own_way)
-            drop_whole_turns(skel, avatars, avatar, own_way)
-            open_budget(skel, avatars, avatar, settings, dt, fastest, own_way, clipped_way, s.budget)
-        copy_posture(skel, avatars, avatar, scratch_out.target, s.before)
-        copy_posture(skel, avatars, avatar, tracker, s.own)
+            tangent_error(skel, avatars, avatar, s.tracker_before, tracker, tracker_motion)
+            drop_whole_turns(skel, avatars, avatar, tracker_motion)
+            open_budget(skel, avatars, avatar, settings, dt, fastest, tracker_motion, target_motion, s.budget)
+        copy_posture(skel, avatars, avatar, scratch_out.target, s.target_before)
+        copy_posture(skel, avatars, avatar, tracker, s.tracker_before)
         tracking.is_located[avatar] = 0

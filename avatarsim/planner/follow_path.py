@@ -208,7 +208,7 @@ def aim_along_paths(
         locate(skel, avatars, avatar, s.target, t, s.objective)
         # the target's motion in this frame, in place of the tracker's own motion
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
-            s.objective.own[j] = s.step[j]
+            s.objective.target_motion[j] = s.step[j]
 
 
 @kernel

@@ -87,7 +87,7 @@ def supervise(
             t.is_located[avatar] = 0
         locate(skel, avatars, avatar, tracker, t, scratch_out.objective)
         # the clipped target, not the target that was followed
-        tangent_error(skel, avatars, avatar, posture, state_out.before, scratch_out.objective.error)
+        tangent_error(skel, avatars, avatar, posture, state_out.target_before, scratch_out.objective.error)
         value = measure(skel, avatars, avatar, settings, dt, poses, state_out, scratch_out)
         choose_mode(skel, avatars, settings, avatar, dt, value, posture, plan_out, state_out)
         if t.mode[avatar] == FOLLOW_PATH:
@@ -197,10 +197,10 @@ def search_all(
         if left <= 0:
             break
         slice_ = max(LEAST_SLICE, left // waiting)
-        tangent_error(skel, avatars, avatar, posture, state_out.before, scratch_out.objective.error)
+        tangent_error(skel, avatars, avatar, posture, state_out.target_before, scratch_out.objective.error)
         value, _ = value_of(skel, avatars, avatar, state_out, poses, scratch_out.objective)
         found = search(
-            geo, skel, avatars, settings, avatar, tracker, state_out.before, posture, poses, value, is_followed, slice_,
+            geo, skel, avatars, settings, avatar, tracker, state_out.target_before, posture, poses, value, is_followed, slice_,
             plan_out, ghost_out,
         )
         spent = work_done(ghost_out.scratch)

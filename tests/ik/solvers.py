@@ -57,7 +57,7 @@ class Solver:
 
     def follow(self, target: Posture) -> None:
         """Make a posture the tracker's, and note how far it is."""
-        for mine in (self.state.own, self.working.target):
+        for mine in (self.state.tracker_before, self.working.target):
             for array, other in zip(mine, target, strict=True):
                 array[:] = other
         self.state.tracking.is_located[:] = 0

@@ -129,7 +129,7 @@ def written_out(found: Solver, origins: np.ndarray) -> float:
 
 def value_after(found: Solver, step: np.ndarray, forces: np.ndarray, arms: np.ndarray) -> float:
     """Return the objective less the work of `forces` on points of links, after a step."""
-    kept, target = copied(found.world.posture), copied(found.state.own)
+    kept, target = copied(found.world.posture), copied(found.state.tracker_before)
     found.take(found.after(step))
     found.follow(target)
     skel = found.world.skeleton

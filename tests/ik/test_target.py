@@ -9,7 +9,7 @@ from avatarsim.ik.broad_phase import form_islands
 from avatarsim.ik.constraints import touch
 from avatarsim.ik.motion_budget import AT_REST
 from avatarsim.ik.state import PROBES, axis_at, forget_pairs, keep_axis, make_pair_cache, slot_of
-from avatarsim.ik.target import clip_to_limits, meet_target
+from avatarsim.ik.target import clip_to_limits, open_budgets
 from avatarsim.model.joint_limits import cone_excess
 from avatarsim.model.skeleton import BALL, Posture
 from avatarsim.model.world import posture_of
@@ -33,7 +33,7 @@ def met(found: Solver, tracker: Posture, has_changed: bool = False) -> np.ndarra
     """Begin a frame with that target: the budget of each joint's turn, beyond the target's own turn."""
     clipped(found, tracker)
     form_islands(found.world.geometry, found.world.skeleton, found.avatars, found.state, found.working)
-    meet_target(found.world.skeleton, found.avatars, SETTINGS, tracker, DT, has_changed, found.state, found.working)
+    open_budgets(found.world.skeleton, found.avatars, SETTINGS, tracker, DT, has_changed, found.state, found.working)
     return found.state.budget.turn.copy()
 
 

@@ -1,7 +1,8 @@
 """Biovision hierarchies (BVH): a tree of joints with offsets and channels, then a line of numbers a frame.
 
 As in Meredith and Maddock, *Motion Capture File Formats Explained* (2001): turns of a joint are multiplied in the order of its
-channels. A position channel replaces the offset along its axis, as in Blender and MotionBuilder, unless it is zero throughout.
+channels. A position channel replaces the offset along its axis, as in Blender and MotionBuilder; of a joint below the root only
+if any of its channels is not zero throughout.
 """
 
 import re
@@ -289,12 +290,13 @@ def _carried(joints: list[_Joint], values: Array) -> int:
     return root
 
 
-def _place(joint: _Joint, values: Array, root: bool) -> tuple[tuple[int, int, int], tuple[float, float, float]]:
-    """Return columns of a joint's place, -1 where there is none, and the offsets added to them or used instead."""
+def _place(joint: _Joint, values: Array, replaces: bool) -> tuple[tuple[int, int, int], tuple[float, float, float]]:
+    """Return columns of a joint's place, -1 where there is none, and its start (`Track`): the offset, but 0 along the axes whose
+    channels replace it. They do where ``replaces``, and where one of them is ever not zero."""
     assert joint.offset is not None
     columns, start = [-1, -1, -1], list(joint.offset)
     channels = joint.columns("position")
-    added = not root and all(not values[:, column].any() for column, _ in channels)
+    added = not replaces and all(not values[:, column].any() for column, _ in channels)
     if not added:
         for column, axis in channels:
             columns[axis], start[axis] = column, 0.0

@@ -63,7 +63,7 @@ class Track:
     """The columns of one bone. Numbers of columns are -1 where there is none.
 
     places  columns of x, y, z, in the file's axes
-    start   (3,) offsets added to them, and values of those that have no column, in the file's unit
+    start   (3,) added to them, 0 where the column alone counts, and the value along an axis without a column; in the file's unit
     turns   (column, axis 0 to 2) of each turn, the outermost first
     frame   the quaternion of the frame, in the file's axes, to which these axes belong"""
 
