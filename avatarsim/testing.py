@@ -359,7 +359,8 @@ def _thrown() -> Scene:
     """Return a body that flies and spins about a principal axis, without gravity; its frame is not in its centre of mass."""
     pieces = (Piece(Box((0.1, 0.1, 0.1)), (0.2, 0.0, 0.0)),)
     along, about = (SPIN, 0.0, 0.0), (0.0, 0.0, SPIN)
-    thing: Body = simulated("thing", pieces, "wood", solid(pieces, 1.0), velocity=along, angular_velocity=about)
+    high = (0.0, 0.0, 10.0)
+    thing: Body = simulated("thing", pieces, "wood", solid(pieces, 1.0), high, velocity=along, angular_velocity=about)
     return Scene("thrown", (thing,), gravity=(0.0, 0.0, 0.0))
 
 

@@ -197,8 +197,8 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
     island: Index
     """The avatar with the least number in the same island."""
     is_legal: Index
-    """1 if the tracker's posture keeps all limits: then the target is that posture, the straight way may end at it, and the budget
-    of a frame is of its motion."""
+    """1 if the tracker's posture keeps all limits: then the target is that posture, the straight way may end at it, and the
+    budget of a frame is of its motion."""
     has_failed: Index
     """1 if a pair or a limit of this avatar failed at the trial."""
     is_certified: Index
