@@ -46,7 +46,7 @@ def tracked(avatar: av.Avatar, time: float, share: float) -> av.TrackerSample:
     return av.TrackerSample(time, sample.positions, sample.rotations, np.full(avatar.hinge_count, share * BEND))
 
 
-def main(frames: int = 90) -> av.FrameRecord:
+def main(frames: int = 60) -> av.FrameRecord:
     """Close the hand within a second, and print how far the user and the shown hand have bent each joint of a finger."""
     avatar = hand()
     bar = av.fixed("bar", (av.capsule_between((0.07, -0.15, -0.04), (0.07, 0.15, -0.04), 0.016),), "metal")

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.assets.models.load import load_room
 from avatarsim.assets.models.model import Model
 from avatarsim.cleaning.chords import Chords, scene_of
 from avatarsim.cleaning.joint_rates import FILE, Rates, accelerations_of, speeds_of
@@ -29,11 +30,11 @@ FASTEST, SLOWEST = 2000.0, 1.0
 class Shield:
     """Generalized coordinates in the file's own order in, certified ones out: for teleoperation.
 
-    `model` gives the avatar, its coordinates and bodies, `room` more bodies; `rate` [1/s] is how often the shield is called.
-    Each output is free of overlap and within limits, and so is the motion from the last output, as slerp in joints and straight
-    lines for the rest show it. An input that is free itself, and reached by a free motion, is returned unchanged, but for
-    quaternions: they are of length 1, and their sign is that nearer to the last output. After contact the avatar catches up with
-    the input.
+    `model` gives the avatar, its coordinates and bodies, `room` more bodies, or what `load_room` returns or reads; `rate`
+    [1/s] is how often the shield is called. Each output is free of overlap and within limits, and so is the motion from the
+    last output, as slerp in joints and straight lines for the rest show it. An input that is free itself, and reached by a
+    free motion, is returned unchanged, but for quaternions: they are of length 1, and their sign is that nearer to the last
+    output. After contact the avatar catches up with the input.
 
     `speed_limits` and `acceleration_limits` apply in every call, from one output row to the next: a number for all joints,
     numbers by their names or in their order, [rad/s, rad/s^2; of slides and of a root's translation m/s, m/s^2]; of a free joint
@@ -51,11 +52,12 @@ class Shield:
     """
 
     def __init__(
-        self, model: Model, room: Sequence[Body] = (), rate: float = 60.0, options: Options = DEFAULTS,
+        self, model: Model, room: Sequence[Body] | Model | str = (), rate: float = 60.0, options: Options = DEFAULTS,
         speed_limits: Rates = FILE, acceleration_limits: Rates = None,
     ) -> None:
         rate = within("rate of a shield [1/s]", rate, SLOWEST, FASTEST, InvalidInput)
-        scene = scene_of(model, room, options)
+        room = load_room(room) if isinstance(room, str) else room
+        scene = scene_of(model, room.bodies if isinstance(room, Model) else room, options)
         if model.coordinates is None:
             raise InvalidInput("coordinates of the model", None, "those of an avatar: a file of a robot, a hand or a skeleton")
         self.coordinates, self.options, self._step = model.coordinates, options, 1.0 / rate

@@ -62,7 +62,7 @@ def add_options(one: argparse.ArgumentParser) -> None:
     limits = one.add_argument_group("limits")
     gate = "ENGINE or ENGINE/PRESET that the limits are for (default: those of --engine, else avatarsim)"
     limits.add_argument("--gate", nargs="+", action="extend", default=[], metavar="NAME", help=gate)
-    limits.add_argument("--max-overlap", metavar="LENGTH", help="largest overlap of any state shown: 1mm, 50um, 0.001 (metres)")
+    limits.add_argument("--max-overlap", metavar="LENGTH", help="largest overlap of any state shown: 1mm, 50um, with its unit")
     most = "largest value of a metric, in its unit or with one: joint_gap_max=1mm"
     limits.add_argument("--max", nargs="+", action="extend", default=[], metavar="METRIC=VALUE", help=most)
     limits.add_argument("--drift", type=path_option, metavar="FILE", help="file of figures that may not move")

@@ -26,12 +26,16 @@ NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*"
 
 
 def limit_of(name: str, text: str) -> float:
-    """Return a limit on metric `name` in the metric's unit: "1mm", "0.001", "2 deg". Raises UnknownName, InvalidInput."""
+    """Return a limit on metric `name` in the metric's unit: "1mm", "0.5", "2 deg". Raises UnknownName, InvalidInput.
+
+    A length or a time needs its unit: tables show millimetres, and "1" would be a metre."""
     sizes = SIZES.get(unit(name), {unit(name): 1.0})
     found = NUMBER.fullmatch(text)
+    units = ", ".join(filter(None, sizes)) or "none"
     if found is None or (found[2] and found[2] not in sizes):
-        units = ", ".join(filter(None, sizes)) or "none"
         raise InvalidInput(f"limit of {name}", text, f"a number, in {unit(name) or 'no unit'} or with one of the units {units}")
+    if not found[2] and len(set(sizes.values())) > 1 and float(found[1]) != 0.0:
+        raise InvalidInput(f"limit of {name}", text, f"a number with its unit, one of {units}")
     return float(found[1]) * sizes.get(found[2], 1.0)
 
 

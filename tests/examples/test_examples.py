@@ -92,7 +92,7 @@ def test_a_hand_stops_on_the_table_and_pushes_the_ball(example: ModuleType, caps
 
 @pytest.mark.parametrize("example", ["jointed_hand"], indirect=True)
 def test_fingers_stop_at_the_bar(example: ModuleType, capsys: pytest.CaptureFixture[str]) -> None:
-    record = example.main(frames=70)
+    record = example.main()
     said = capsys.readouterr().out
     assert "the user bends every joint by 80 degrees" in said and "links touch the bar: hand/" in said
     fingers = record.angles.reshape(4, 3)

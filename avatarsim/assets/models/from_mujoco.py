@@ -377,7 +377,8 @@ class _Reading:
             self._said.append(f"{self._m.flexes} deformable bodies are left out")
         planes = int((self._m.geom_type[self._geoms.touching] == GeomKind.PLANE).sum())
         if planes:
-            self._said.append(f"{planes} planes are boxes of 200 m by 200 m, 10 m deep below them")
+            boxes = "plane is a box" if planes == 1 else "planes are boxes"
+            self._said.append(f"{planes} {boxes} of 200 m by 200 m, 10 m deep")
 
 
 def _distinct(names: list[str]) -> dict[int, str]:

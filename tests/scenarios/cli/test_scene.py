@@ -123,14 +123,20 @@ def test_2_for_wrong_usage_with_a_typed_error(
     assert error["type"] == kind and error["text"] and error["valid"]
 
 
-@pytest.mark.parametrize(("text", "value"), [("1mm", 1e-3), ("0.5 cm", 5e-3), ("2e-6", 2e-6), ("3um", 3e-6)])
-def test_a_limit_has_a_unit_or_that_of_its_metric(text: str, value: float) -> None:
+@pytest.mark.parametrize(("text", "value"), [("1mm", 1e-3), ("0.5 cm", 5e-3), ("2e-6m", 2e-6), ("0", 0.0), ("3um", 3e-6)])
+def test_a_limit_has_its_unit(text: str, value: float) -> None:
     assert limit_of("residual_overlap_max", text) == pytest.approx(value)
     assert limits_of(text, ["frame_time_p95=2ms"]) == {"residual_overlap_max": pytest.approx(value), "frame_time_p95": 2000.0}
 
 
 def test_overlap_is_short_for_its_metric() -> None:
     assert limits_of(None, ["overlap=1mm"]) == {"residual_overlap_max": 1e-3}
+
+
+def test_a_length_without_a_unit_is_refused() -> None:
+    with pytest.raises(InvalidInput):
+        limit_of("residual_overlap_max", "1")
+    assert limit_of("joint_limit_excess_max", "2") == 2.0
 
 
 def test_a_unit_of_another_quantity_is_refused() -> None:
