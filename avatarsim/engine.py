@@ -168,7 +168,7 @@ class Engine(Protocol):
     def presets(self) -> tuple[str, ...]:
         """Return names of its presets, the default first."""
 
-    def cannot_say(self, scene: Scene) -> Mapping[str, str]:
+    def unsupported(self, scene: Scene) -> Mapping[str, str]:
         """Return the features of `scene` that this engine does not support: feature -> consequence. Empty if it supports all.
         Called before `load`, and again after it, when an engine may answer for the preset that was loaded.
 

@@ -106,7 +106,7 @@ class AvatarsimEngine:
     def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
         raise NotCopied(type(self).__name__)
 
-    def cannot_say(self, scene: Scene) -> Mapping[str, str]:
+    def unsupported(self, scene: Scene) -> Mapping[str, str]:
         """Return the features of `scene` that this engine leaves out."""
         require_scene("scene to describe", scene)
         said: dict[str, str] = {}

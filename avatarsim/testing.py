@@ -129,11 +129,11 @@ def _judged(run: Run, check: str, judge: Callable[[Run], Iterator[str]]) -> Iter
 def ran(make: Make, scene: Scene, led: Callable[[Scene, float], TrackerSample], preset: str) -> Run:
     """Run an engine through a scene for a second. Raises UnsupportedScene where it reports that it cannot."""
     with closing(make()) as engine:
-        lacks = dict(engine.cannot_say(scene))
+        lacks = dict(engine.unsupported(scene))
         if "scene" in lacks:
             raise UnsupportedScene("scene", scene.name, lacks["scene"])
         records = [engine.load(scene, Settings(preset), DT)]
-        lacks |= engine.cannot_say(scene)
+        lacks |= engine.unsupported(scene)
         for k in range(1, FRAMES + 1):
             records.append(engine.advance(led(scene, k * DT), DT))
         return Run(scene, records, lacks)
@@ -141,7 +141,7 @@ def ran(make: Make, scene: Scene, led: Callable[[Scene, float], TrackerSample], 
 
 def _protocol(engine: object) -> Iterator[Finding]:
     """Yield faults of names and types."""
-    parts = ("name", "version", "presets", "cannot_say", "settings_as_run", "load", "advance", "close")
+    parts = ("name", "version", "presets", "unsupported", "settings_as_run", "load", "advance", "close")
     if missing := [part for part in parts if not hasattr(engine, part)]:
         yield Finding("protocol", "", f"it has no {', '.join(missing)}")
         return

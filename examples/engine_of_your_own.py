@@ -24,7 +24,7 @@ class MyEngine:
 
     name, version, presets = "mine", "1", ("default",)
 
-    def cannot_say(self, scene: av.Scene) -> Mapping[str, str]:
+    def unsupported(self, scene: av.Scene) -> Mapping[str, str]:
         """Return features that this engine lacks, with the consequence."""
         return {"contact": "everything passes through everything"}
 

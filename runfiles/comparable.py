@@ -30,12 +30,12 @@ class Note(Protocol):
     @property
     def run(self) -> str: ...
     @property
-    def cannot_say(self) -> Mapping[str, str]: ...
+    def unsupported(self) -> Mapping[str, str]: ...
     @property
     def settings(self) -> Mapping[str, tuple[str, str]]: ...
 
 
-def unsupported(run: str, features: Iterable[str]) -> dict[str, str]:
+def silenced_metrics(run: str, features: Iterable[str]) -> dict[str, str]:
     """Return the metrics that do not compare a run in a scene for which it lacks these features, with the reason."""
     engine, _, preset = run.partition("/")
     one, found = about(engine), dict[str, str]()
@@ -67,7 +67,7 @@ def reasons(rows: pd.DataFrame, notes: Iterable[Note]) -> pd.Series:
     if "status" in rows:
         for scene, name in {(scene, run.partition("/")[0]) for scene, run in _keys(rows[rows.status == "refused"])}:
             why[(rows.scenario == scene) & (why == "")] = f"{about(name).label} refuses the scene"
-    lacking = {(note.scenario, note.run): unsupported(note.run, note.cannot_say) for note in notes}
+    lacking = {(note.scenario, note.run): silenced_metrics(note.run, note.unsupported) for note in notes}
     found = [lacking.get(key, {}).get(metric, "") for key, metric in zip(_keys(rows), rows.metric, strict=True)]
     return why.where([not reason for reason in found], pd.Series(found, index=rows.index, dtype=object))
 

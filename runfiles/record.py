@@ -54,7 +54,7 @@ class Recording:
     overlap (F+1,) [m] of every state shown, as the run judged it; empty where it was not judged.
     counts, statuses: (F+1,) per name. state_hashes (F+1,). frame_times_ns (repeats, frames), empty before the timing pass.
     Annotations have the kind of number and the axes of every array; axes of one name are equally long.
-    meta: scene, engine, version, preset, seed, dt, settings, cannot_say, scene_hash, error (why it ended early, or absent).
+    meta: scene, engine, version, preset, seed, dt, settings, unsupported, scene_hash, error (why it ended early, or absent).
     """
 
     meta: Mapping[str, object]

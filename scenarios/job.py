@@ -65,7 +65,7 @@ class Outcome:
     note           reason of a state other than measured
     values, notes  by metric
     overlap_m      of every state shown [m]
-    about          version, settings and cannot_say of the engine, lapsed promises of the scene
+    about          version, settings and unsupported features of the engine, lapsed promises of the scene
     hashes         of every state shown
     frame_seconds  rough time of a frame [s]
     resting        flag of every frame: nothing moves

@@ -137,11 +137,11 @@ def test_stages_are_timed_only_on_request() -> None:
     assert loaded().advance(SCENE.first_sample, DT).stage_ns == {}
 
 
-def test_what_it_cannot_say_is_said() -> None:
-    assert "avatar dynamics" in AvatarsimEngine().cannot_say(SCENE)
-    assert AvatarsimEngine().cannot_say(DROP) == {}
+def test_unsupported_features_are_reported() -> None:
+    assert "avatar dynamics" in AvatarsimEngine().unsupported(SCENE)
+    assert AvatarsimEngine().unsupported(DROP) == {}
     with pytest.raises(InvalidInput):
-        AvatarsimEngine().cannot_say(None)
+        AvatarsimEngine().unsupported(None)
 
 
 def test_lists_and_single_precision_are_taken_as_samples() -> None:

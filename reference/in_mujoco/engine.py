@@ -14,13 +14,13 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.spatial import rotation
 from reference.in_mujoco import three_hinges
-from reference.in_mujoco.cannot_say import cannot_say
 from reference.in_mujoco.compiled import mjcf, resolved
 from reference.in_mujoco.laws import contact_laws
 from reference.in_mujoco.motors import Motors, Servo
 from reference.in_mujoco.presets import BETTER_ELSEWHERE, EVERYWHERE, OPTIMISES, presets
 from reference.in_mujoco.reading import Reading
 from reference.in_mujoco.stiffness import Stiffness, check_words
+from reference.in_mujoco.unsupported import unsupported
 from reference.in_mujoco.world import build_world
 from reference.presets import Options, in_force, kind_of
 from reference.targets import Targets
@@ -50,9 +50,9 @@ class MujocoEngine:
         """Version of the library."""
         return str(mujoco.__version__)
 
-    def cannot_say(self, scene: Scene) -> Mapping[str, str]:
+    def unsupported(self, scene: Scene) -> Mapping[str, str]:
         """Return the features that MuJoCo does not support: feature -> consequence; after `load`, for the joints made there."""
-        return cannot_say(scene, self._hinged)
+        return unsupported(scene, self._hinged)
 
     def settings_as_run(self) -> Mapping[str, object]:
         """Every setting in force after `load`: name -> (value, reason)."""

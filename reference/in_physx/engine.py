@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from avatarsim.engine import ADAPTER, FrameRecord, Settings, Snapshot
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
-from reference.in_physx.cannot_say import cannot_say
 from reference.in_physx.presets import BETTER_ELSEWHERE, OPTIMISES, presets
+from reference.in_physx.unsupported import unsupported
 from reference.in_physx.world import PLACE, SPIN, STATED, TURN, VELOCITY, VERSION, Pose, World
 from reference.joint_angles import JointAngles
 from reference.presets import in_force, kind_of
@@ -26,9 +26,9 @@ class PhysxEngine:
     presets = ("default", "tuned")
     version = VERSION
 
-    def cannot_say(self, scene: Scene) -> Mapping[str, str]:
+    def unsupported(self, scene: Scene) -> Mapping[str, str]:
         """Return unsupported features: feature -> consequence."""
-        return cannot_say(scene)
+        return unsupported(scene)
 
     def settings_as_run(self) -> Mapping[str, object]:
         """Return every setting in force after `load`: name -> (value, reason)."""

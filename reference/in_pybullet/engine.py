@@ -14,10 +14,10 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.spatial import rotation
 from reference.in_pybullet.calls import Name, call, grouped
-from reference.in_pybullet.cannot_say import cannot_say
 from reference.in_pybullet.drive import DRIVES, Drive
 from reference.in_pybullet.presets import BETTER_ELSEWHERE, OPTIMISES, presets
 from reference.in_pybullet.reading import STATED, Reading
+from reference.in_pybullet.unsupported import unsupported
 from reference.in_pybullet.world import World, build_world
 from reference.pair_factors import coefficients, fit, weights
 from reference.presets import in_force, kind_of
@@ -43,9 +43,9 @@ class PybulletEngine:
         """Version of the package."""
         return INSTALLED
 
-    def cannot_say(self, scene: Scene) -> Mapping[str, str]:
+    def unsupported(self, scene: Scene) -> Mapping[str, str]:
         """Return the features that PyBullet does not support: feature -> consequence."""
-        return cannot_say(scene)
+        return unsupported(scene)
 
     def settings_as_run(self) -> Mapping[str, object]:
         """Every setting in force after `load`: name -> (value, reason)."""

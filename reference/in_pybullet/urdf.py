@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from avatarsim.scene.joint import SwingTwist
 from avatarsim.scene.shape import Box, Capsule, Shape, Sphere
 from avatarsim.spatial import rotation
-from reference.in_pybullet.cannot_say import WIDEST
 from reference.in_pybullet.shapes import Placed, vertices_of, wxyz
+from reference.in_pybullet.unsupported import WIDEST
 
 Array = NDArray[np.float64]
 

@@ -31,7 +31,7 @@ class RapierEngine:
     presets = ("default", "tuned")
     version = metadata.version("rapier3d")
 
-    def cannot_say(self, scene: Scene) -> Mapping[str, str]:
+    def unsupported(self, scene: Scene) -> Mapping[str, str]:
         """Return unsupported features: feature -> consequence."""
         found = alike_in_game_engines(scene)
         if any(isinstance(link.joint, Ball) and link.joint.limits for link in scene.links):

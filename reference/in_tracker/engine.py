@@ -20,7 +20,7 @@ class RawTracker:
     version = "1"
     presets = ("default",)
 
-    def cannot_say(self, scene: Scene) -> Mapping[str, str]:
+    def unsupported(self, scene: Scene) -> Mapping[str, str]:
         """Return the features left out: all but kinematics."""
         found = {}
         if scene.avatars:

@@ -76,7 +76,7 @@ def _engines(run: Run) -> str:
     for note in run.results.engines:
         name = note.run.partition("/")[0]
         entry = found.setdefault(name, {"version": note.version, "features": {}, "presets": {}})
-        for feature, said in note.cannot_say.items():
+        for feature, said in note.unsupported.items():
             entry["features"].setdefault(feature, said)
         # show the settings of a preset in an everyday scene, where it ran one
         kept, everyday = entry["presets"].get(note.run), run.results.everyday

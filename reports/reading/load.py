@@ -34,7 +34,7 @@ class EngineNote:
     run: str
     scenario: str
     version: str
-    cannot_say: Mapping[str, str]
+    unsupported: Mapping[str, str]
     settings: Mapping[str, tuple[str, str]]
 
 
@@ -133,11 +133,12 @@ def _series(raw: Mapping[str, Any]) -> Series:
 
 
 def _engine_note(raw: Mapping[str, Any]) -> EngineNote:
+    unsupported = raw.get("unsupported", raw.get("cannot_say", {}))  # earlier runs wrote `cannot_say`
     return EngineNote(
         run=f"{raw['name']}/{raw.get('preset') or 'default'}",
         scenario=raw.get("scenario", ""),
         version=raw.get("version", ""),
-        cannot_say={_text(key): _text(text) for key, text in raw.get("cannot_say", {}).items()},
+        unsupported={_text(key): _text(text) for key, text in unsupported.items()},
         settings={_text(key): _setting(value) for key, value in raw.get("settings", {}).items()},
     )
 

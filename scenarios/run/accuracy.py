@@ -95,7 +95,7 @@ class Shown:
     """Frames of a job, the first of the load.
 
     state  measured, or the reason that there are no further frames, which the note explains
-    about  version, cannot_say and settings of the engine, and its median time of a frame [s]
+    about  version, unsupported features and settings of the engine, and its median time of a frame [s]
     """
 
     state: State
@@ -117,12 +117,12 @@ def show(job: Job, prepared: Prepared, inside: bool = True, folder: Path | None 
         try:
             engine = opened(job.engine)
             stack.callback(_close, engine)
-            unsupported = dict(engine.cannot_say(scene))
-            about |= {"version": engine.version, "cannot_say": unsupported, "settings": {}}
+            unsupported = dict(engine.unsupported(scene))
+            about |= {"version": engine.version, "unsupported": unsupported, "settings": {}}
             if "scene" in unsupported:
                 return Shown("cannot-say", [], about, unsupported["scene"])
             frames.append(engine.load(scene, job.settings(engine, inside=inside), dt))
-            about |= {"settings": dict(engine.settings_as_run()), "cannot_say": dict(engine.cannot_say(scene))}
+            about |= {"settings": dict(engine.settings_as_run()), "unsupported": dict(engine.unsupported(scene))}
             keeps_steps = folder is not None and write_native(engine, folder, job, prepared.scenario.everyday)
             spent = list[float]()
             for sample in prepared.samples:
@@ -207,7 +207,7 @@ def kept(path: Path, identity: Mapping[str, object]) -> Recording | None:
 
 def outcome_of(job: Job, recording: Recording, prepared: Prepared, path: Path) -> Outcome:
     """Return the outcome of a job whose recording has been measured."""
-    about = {name: recording.meta.get(name, {}) for name in ("version", "cannot_say", "settings")}
+    about = {name: recording.meta.get(name, {}) for name in ("version", "unsupported", "settings")}
     about["lapsed"] = dict(prepared.scene.lapsed)
     values, notes = figures(recording)
     overlap, hashes = tuple(recording.overlap.tolist()), tuple(recording.state_hashes.tolist())

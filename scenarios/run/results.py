@@ -38,7 +38,7 @@ class _Note(NamedTuple):
 
     scenario: str
     run: str
-    cannot_say: Mapping[str, str]
+    unsupported: Mapping[str, str]
     settings: Mapping[str, tuple[str, str]]
 
 
@@ -49,7 +49,7 @@ def _reasons(results: Results) -> list[str]:
     notes = []
     for one in results.outcomes:
         about: Mapping[str, Any] = one.about
-        notes.append(_Note(one.job.scenario, one.job.run, about.get("cannot_say", {}), about.get("settings", {})))
+        notes.append(_Note(one.job.scenario, one.job.run, about.get("unsupported", {}), about.get("settings", {})))
     return [str(why) for why in reasons(pd.DataFrame([{**vars(row), "run": row.run} for row in results.rows]), notes)]
 
 
@@ -73,7 +73,7 @@ def write(results: Results, folder: Path) -> None:
             {
                 "name": one.job.engine, "preset": one.job.preset, "scenario": one.job.scenario, "seed": one.job.seed,
                 "recording": one.recording.name if one.recording else None, "version": one.about.get("version", ""),
-                "cannot_say": one.about.get("cannot_say", {}), "settings": one.about.get("settings", {}),
+                "unsupported": one.about.get("unsupported", {}), "settings": one.about.get("settings", {}),
             }
             for one in results.outcomes
         ],

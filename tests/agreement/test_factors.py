@@ -6,7 +6,7 @@ import pytest
 from avatarsim.scene.body import ContactLaw, PairTable, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Ellipsoid, Piece, Sphere
-from reference.in_pybullet.cannot_say import cannot_say
+from reference.in_pybullet.unsupported import unsupported
 from reference.minimax import CLOSE, least_worst
 from reference.pair_factors import MISS, Array, coefficients, fit, fit_averages, missed, weights
 from scenarios.catalog.paper.ball_drop import SCENARIO as BALL_DROP
@@ -36,7 +36,7 @@ def test_three_classes_that_touch_are_exact() -> None:
     assert friction[0] * friction[1] == pytest.approx(0.3, abs=1e-4)
     assert friction[1] * friction[2] == pytest.approx(0.2, abs=1e-4)
     assert friction[0] * friction[2] == pytest.approx(0.2, abs=1e-4)
-    assert "restitution" not in cannot_say(scene)
+    assert "restitution" not in unsupported(scene)
 
 
 def test_six_balls_on_six_slabs_are_exact_where_they_meet() -> None:
@@ -75,7 +75,7 @@ def test_factors_do_not_depend_on_the_size_of_the_world(scale: float) -> None:
 def test_ellipsoids_are_reported_as_unsupported() -> None:
     egg = (Piece(Ellipsoid((0.1, 0.2, 0.3))),)
     scene = Scene("egg", (simulated("egg", egg, "wood", solid(egg, 1.0)),))
-    assert "ellipsoids" in cannot_say(scene)
+    assert "ellipsoids" in unsupported(scene)
 
 
 @pytest.mark.parametrize("what", [0, 1], ids=list(KNOWN))
@@ -86,7 +86,7 @@ def test_table_1_is_missed_by_no_more_than_known_where_all_meet_all(what: int) -
     found = fit(scene, coefficients(scene)[what], weights(scene)[what])
     worst = max(abs(wanted - said) for _, _, wanted, said in found.misses)
     assert worst <= list(KNOWN.values())[what] + HALF_A_DIGIT
-    assert list(KNOWN)[what] in cannot_say(scene)
+    assert list(KNOWN)[what] in unsupported(scene)
 
 
 def tried(first: Array, second: Array, wanted: Array, weight: Array) -> float:

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Settings
-from reference.in_mujoco.cannot_say import cannot_say as mujoco_cannot_say
 from reference.in_mujoco.engine import MujocoEngine
+from reference.in_mujoco.unsupported import unsupported as mujoco_unsupported
 from reference.narrowing import ALWAYS_THERE, alike_in_both
 from scenarios import catalog
 
@@ -26,18 +26,18 @@ SWITCHED = ("restitution", "friction", "limits", "self_contact")
 def test_what_stays_all_the_same_is_said(effect: str) -> None:
     scene = catalog.get(SCENES[effect]).build()
     said = f"no {effect.replace('_', ' ')}"
-    assert said not in mujoco_cannot_say(scene)
+    assert said not in mujoco_unsupported(scene)
     less = replace(scene, narrow=(effect,))
-    assert said in mujoco_cannot_say(less) and said in alike_in_both(less)
-    pybullet = pytest.importorskip("reference.in_pybullet.cannot_say", exc_type=ImportError)
-    assert said in pybullet.cannot_say(less) and said not in pybullet.cannot_say(scene)
+    assert said in mujoco_unsupported(less) and said in alike_in_both(less)
+    pybullet = pytest.importorskip("reference.in_pybullet.unsupported", exc_type=ImportError)
+    assert said in pybullet.unsupported(less) and said not in pybullet.unsupported(scene)
 
 
 @pytest.mark.parametrize("effect", SWITCHED)
 def test_what_is_switched_off_changes_mujoco_s_model_and_no_words_are_needed(effect: str) -> None:
     scene = catalog.get(SCENES[effect]).build()
     less = replace(scene, narrow=(effect,))
-    assert mujoco_cannot_say(less).keys() <= mujoco_cannot_say(scene).keys()
+    assert mujoco_unsupported(less).keys() <= mujoco_unsupported(scene).keys()
     models = []
     for one in (scene, less):
         engine = MujocoEngine()
@@ -60,6 +60,6 @@ def test_what_is_switched_off_changes_mujoco_s_model_and_no_words_are_needed(eff
 @pytest.mark.parametrize(("name", "coupled"), [("hand_over_table", True), ("coupling_sweep", True), ("mocap_punch_wall", False)])
 def test_scenes_with_coupling_report_the_spring_of_equation_6_as_unsupported(name: str, coupled: bool) -> None:
     scene = catalog.get(name).build()
-    pybullet = pytest.importorskip("reference.in_pybullet.cannot_say", exc_type=ImportError)
-    for unsupported in (mujoco_cannot_say(scene), pybullet.cannot_say(scene)):
-        assert ("virtual coupling" in unsupported) == coupled
+    pybullet = pytest.importorskip("reference.in_pybullet.unsupported", exc_type=ImportError)
+    for features in (mujoco_unsupported(scene), pybullet.unsupported(scene)):
+        assert ("virtual coupling" in features) == coupled

@@ -179,7 +179,7 @@ def test_raw_tracker_shows_the_plain_kinematics() -> None:
     scene = Scene("raw", bodies_of_all_shapes().bodies, (avatar,), start=posture(avatar, 0))
     engine = RawTracker()
     assert isinstance(engine, Engine)
-    assert set(engine.cannot_say(scene)) == {"contact", "dynamics"}
+    assert set(engine.unsupported(scene)) == {"contact", "dynamics"}
     engine.load(scene, Settings(record_inside=True), FRAME)
     sample = posture(avatar, 1, FRAME)
     record = engine.advance(sample, FRAME)

@@ -159,8 +159,8 @@ def test_scenes_of_too_many_groups_are_refused_before_they_are_loaded() -> None:
     draw = np.random.default_rng(1)
     pairs = tuple((names[k], names[j]) for k in range(len(names)) for j in range(k) if draw.uniform() < 0.5)
     scene = Scene("many", bodies, exclude=pairs)
-    assert "scene" in engine().cannot_say(scene)
-    assert "scene" not in engine().cannot_say(bodies_of_all_shapes())
+    assert "scene" in engine().unsupported(scene)
+    assert "scene" not in engine().unsupported(bodies_of_all_shapes())
 
 
 @pytest.mark.parametrize("preset", ["default", "tuned"])
@@ -175,10 +175,10 @@ def test_a_run_repeats_to_the_bit_in_one_process(preset: str) -> None:
 
 def test_features_without_a_counterpart_are_reported() -> None:
     egg = (Piece(Ellipsoid((0.1, 0.2, 0.3))),)
-    assert "ellipsoids" in engine().cannot_say(Scene("egg", (simulated("egg", egg, "wood", solid(egg, 1.0)),)))
-    assert "shared centres" in engine().cannot_say(Scene("all", avatars=(every_joint(),)))
+    assert "ellipsoids" in engine().unsupported(Scene("egg", (simulated("egg", egg, "wood", solid(egg, 1.0)),)))
+    assert "shared centres" in engine().unsupported(Scene("all", avatars=(every_joint(),)))
     wide = held(Hinges((Hinge((0.0, 1.0, 0.0), -4.0, 4.0),)))
-    assert "ranges of a turn or more" in engine().cannot_say(Scene("wide", avatars=(wide,)))
+    assert "ranges of a turn or more" in engine().unsupported(Scene("wide", avatars=(wide,)))
 
 
 @pytest.mark.parametrize("thickness", [0.1, 1e-3, 1e-6])
@@ -201,4 +201,4 @@ def test_hulls_that_the_package_thins_are_reported() -> None:
     for vertices, told in ((129, False), (200, True)):
         piece = (Piece(ellipsoid_hull((0.1, 0.2, 0.3), vertices)),)
         scene = Scene("egg", (simulated("egg", piece, "wood", solid(piece, 1.0)),))
-        assert ("large hulls" in engine().cannot_say(scene)) == told
+        assert ("large hulls" in engine().unsupported(scene)) == told

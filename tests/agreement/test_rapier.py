@@ -148,7 +148,7 @@ def test_groups_say_which_bodies_meet(seed: int) -> None:
             assert meets(groups, a, b) == table[a, b]
 
 
-def test_pairs_that_masks_cannot_say_pass_by_joints(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pairs_that_masks_cannot_express_pass_by_joints(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two links that are allowed to overlap do so, and stay."""
     monkeypatch.setattr("reference.in_rapier.world.collision_groups", lambda meets: None)
     ball = (Piece(Sphere(0.1)),)

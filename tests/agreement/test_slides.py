@@ -58,7 +58,7 @@ def test_mujoco_has_a_coupling_and_pybullet_says_that_it_has_none() -> None:
     (gear,) = np.flatnonzero(model.eq_type == mujoco.mjtEq.mjEQ_JOINT)
     assert model.eq_data[gear, :5].tolist() == [0.1, 0.5, 0.0, 0.0, 0.0]
     assert [model.joint(int(model.eq_obj1id[gear])).name, model.joint(int(model.eq_obj2id[gear])).name] == ["h2", "h0"]
-    assert "couplings" not in engine.cannot_say(scene) and "couplings" in PybulletEngine().cannot_say(scene)
+    assert "couplings" not in engine.unsupported(scene) and "couplings" in PybulletEngine().unsupported(scene)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -49,7 +49,7 @@ def whole_run() -> Json:
     engines = [
         {
             "name": "mujoco", "version": "3.17.0", "preset": "default", "scenario": scene,
-            "cannot_say": {"restitution": "no coefficient: bounces follow solref"},
+            "unsupported": {"restitution": "no coefficient: bounces follow solref"},
             "settings": {"timestep": [1 / 240, "quarter of a frame"], "cone": "elliptic", "solref": [0.02, 1.0 + 0.1 * index]},
         }
         for index, scene in enumerate(("arm_wall", "hand_over_table"))

@@ -18,7 +18,7 @@ def full() -> Recording:
     filled = with_inside(base, [0.001, 0.002, 0.02, 0.03, 0.03], [1, 1, 2, 2, 2], ["step"] * 3 + ["approach", "impact"], p, v)
     return replace(
         filled,
-        meta={"dt": DT, "scene": "drop", "cannot_say": {"a": "b"}},
+        meta={"dt": DT, "scene": "drop", "unsupported": {"a": "b"}},
         counts={"pairs": np.arange(4)},
         statuses={"OUT_OF_ITERATIONS": np.array([0, 1, 0, 2])},
         frame_times_ns=np.arange(6).reshape(2, 3),

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import pandas as pd
 import pytest
 
-from runfiles.comparable import ASLEEP, AVATAR_METRIC, AVATAR_TIME, FEW_FRAMES, Note, reasons, unsupported
+from runfiles.comparable import ASLEEP, AVATAR_METRIC, AVATAR_TIME, FEW_FRAMES, Note, reasons, silenced_metrics
 from scenarios import catalog
 from scenarios.engines import opened
 
@@ -19,7 +19,7 @@ class Said:
 
     scenario: str
     run: str
-    cannot_say: Mapping[str, str] = field(default_factory=dict)
+    unsupported: Mapping[str, str] = field(default_factory=dict)
     settings: Mapping[str, tuple[str, str]] = field(default_factory=dict)
 
 
@@ -70,8 +70,8 @@ def test_a_feature_that_is_not_set_up_takes_out_its_metrics_only() -> None:
 
 
 def test_presets_that_lack_a_feature_are_told_apart() -> None:
-    assert unsupported("mujoco/default", ["restitution"]) and not unsupported("mujoco/tuned", ["restitution"])
-    assert unsupported("mujoco/tuned", ["no such feature"]) == unsupported("newcomer/default", ["restitution"]) == {}
+    assert silenced_metrics("mujoco/default", ["restitution"]) and not silenced_metrics("mujoco/tuned", ["restitution"])
+    assert silenced_metrics("mujoco/tuned", ["no such feature"]) == silenced_metrics("newcomer/default", ["restitution"]) == {}
 
 
 @pytest.mark.parametrize(("scenario", "metric", "silent", "judged"), [
@@ -86,10 +86,10 @@ def test_the_engines_own_words_decide(scenario: str, metric: str, silent: Sequen
     for run in (*silent, *judged):
         engine = opened(run.partition("/")[0])
         try:
-            features = engine.cannot_say(scene)
+            features = engine.unsupported(scene)
         finally:
             engine.close()
-        assert (metric in unsupported(run, features)) == (run in silent), run
+        assert (metric in silenced_metrics(run, features)) == (run in silent), run
 
 
 def test_what_one_engine_refuses_compares_no_other() -> None:

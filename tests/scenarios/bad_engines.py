@@ -59,7 +59,7 @@ class Frozen:
     def name(self) -> str:
         return type(self).__name__
 
-    def cannot_say(self, scene: Scene) -> Mapping[str, str]:
+    def unsupported(self, scene: Scene) -> Mapping[str, str]:
         return {}
 
     def settings_as_run(self) -> Mapping[str, object]:
@@ -223,5 +223,5 @@ class Talks(Tunnels):
 class Speechless(Frozen):
     """An engine that supports no scene."""
 
-    def cannot_say(self, scene: Scene) -> Mapping[str, str]:
+    def unsupported(self, scene: Scene) -> Mapping[str, str]:
         return {"scene": "it knows spheres only"}

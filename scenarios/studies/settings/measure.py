@@ -26,7 +26,7 @@ def entry_of(outcome: Outcome) -> Entry:
     missing = {name: value.reason for name, value in outcome.values.items() if isinstance(value, Missing)}
     return {
         "run": outcome.job.run, "scenario": outcome.job.scenario, "state": outcome.state, "note": outcome.note,
-        "frames": outcome.frames, "values": values, "missing": missing, "cannot_say": outcome.about.get("cannot_say", {}),
+        "frames": outcome.frames, "values": values, "missing": missing, "unsupported": outcome.about.get("unsupported", {}),
         "step": step_of(outcome), "resting": [int(rests) for rests in outcome.resting],
     }
 

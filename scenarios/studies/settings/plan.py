@@ -9,7 +9,7 @@ import numpy as np
 
 from runfiles import ladder
 from runfiles.accuracy import Reached, largest, missing
-from runfiles.comparable import unsupported
+from runfiles.comparable import silenced_metrics
 from runfiles.engines import about
 from runfiles.naming import BASELINE, stem
 from runfiles.timing_protocol import WARM_FRAMES
@@ -138,9 +138,9 @@ def _tells(cell: Cell, request: Request) -> bool:
         (name, value), = setting.options.items()
         if measure.number_of(base, name) == _number(value):
             return False
-    said, run = base.about.get("cannot_say"), f"{setting.engine}/{setting.base}"
+    said, run = base.about.get("unsupported"), f"{setting.engine}/{setting.base}"
     errors = errors_of(cell, request)
-    return not (isinstance(said, Mapping) and set(unsupported(run, said)).intersection(errors))
+    return not (isinstance(said, Mapping) and set(silenced_metrics(run, said)).intersection(errors))
 
 
 def _number(value: object) -> float:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from runfiles.comparable import unsupported
+from runfiles.comparable import silenced_metrics
 from runfiles.table import Row
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.settings.cell import Cell
@@ -28,7 +28,7 @@ def rows_of(cell: Cell, errors: Sequence[str], found: Entry, clocked: Entry | No
     head = Head(NAME, cell.scenario, setting.engine, setting.base, change, copyable(setting), cell.seed, found.get("frames", 0))
     if found["state"] != "measured":
         return [head.without(found["state"], found["note"])]
-    silent, rows = unsupported(f"{setting.engine}/{setting.base}", found.get("cannot_say", {})), list[Row]()
+    silent, rows = silenced_metrics(f"{setting.engine}/{setting.base}", found.get("unsupported", {})), list[Row]()
     for metric in dict.fromkeys((*errors, *ALSO)):
         if metric in silent:
             rows.append(head.row(metric, None, silent[metric], status="cannot-say"))

@@ -55,7 +55,7 @@ def _everywhere(results: Json, text: str) -> Json:
         row("ball_drop", "pybullet/default", "run", None, status="crashed", note=text),
         row("ball_drop", "avatarsim/default", "course_error_max", 3.0, "m", bound=1.0, status="fail", note=text),
     ]
-    note = {**engines[0], "version": text, "cannot_say": {text: text}, "settings": {text: [text, f"a reason {text}"]}}
+    note = {**engines[0], "version": text, "unsupported": {text: text}, "settings": {text: [text, f"a reason {text}"]}}
     provenance = {"commit": text, "cpu": text, "cpus": text, "versions": {"mujoco": text}, text: text}
     scenes = {"arm_wall": {"title": text}}
     return {"rows": [*rows, *strange], "engines": [*engines, note], "scenes": scenes, "notes": [text], "provenance": provenance}

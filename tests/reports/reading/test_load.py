@@ -32,6 +32,12 @@ def test_nan_is_read_as_nan_and_a_gap_as_nan(run_dir: Write, results: Json) -> N
     assert found.frame_time.size == 0
 
 
+def test_unsupported_features_of_earlier_runs_are_read(run_dir: Write, results: Json) -> None:
+    features = {"restitution": "no coefficient"}
+    engines = [{"name": "mujoco", "scenario": "arm_wall", name: features} for name in ("unsupported", "cannot_say")]
+    assert [note.unsupported for note in load(run_dir(results | {"engines": engines})).engines] == [features, features]
+
+
 DAMAGED = (None, "", "{", "[]", "{}", '{"rows": 3, "schema_version": 1}', "half a file", "a number too large")
 
 

@@ -45,7 +45,7 @@ def test_csv_has_the_promised_columns_and_an_empty_field_for_nothing(tmp_path: P
 
 def test_csv_has_a_reason_for_figures_that_do_not_compare_engines(tmp_path: Path) -> None:
     rows = [replace(ROWS[0], engine="mujoco"), replace(ROWS[0], engine="mujoco", metric="restitution_error_max")]
-    bounces = Outcome(Job("drop", "mujoco", "default"), "measured", about={"cannot_say": {"restitution": "no coefficient"}})
+    bounces = Outcome(Job("drop", "mujoco", "default"), "measured", about={"unsupported": {"restitution": "no coefficient"}})
     write(replace(results(rows), outcomes=[bounces]), tmp_path)
     found = lines(tmp_path / "results.csv")
     assert [row["comparable"] for row in found] == ["yes", "no"] and [bool(row["why"]) for row in found] == [False, True]

@@ -11,8 +11,8 @@ def test_entries_of_outcomes() -> None:
     assert found["values"] == {"a": 1.0} and found["missing"] == {"b": "no occasion"} and found["frames"] == 3
 
 
-def test_it_keeps_the_step_the_rest_and_what_the_engine_cannot_say() -> None:
-    about = {"settings": {"dt": [0.002, "a reason"]}, "cannot_say": {"reach cones": "ignored"}}
+def test_it_keeps_the_step_the_rest_and_unsupported_features() -> None:
+    about = {"settings": {"dt": [0.002, "a reason"]}, "unsupported": {"reach cones": "ignored"}}
     found = entry_of(Outcome(Job("stop_distance", "mujoco", "tuned"), "measured", about=about, resting=(True, False)))
-    assert (found["step"], found["resting"], found["cannot_say"]) == (0.002, [1, 0], {"reach cones": "ignored"})
+    assert (found["step"], found["resting"], found["unsupported"]) == (0.002, [1, 0], {"reach cones": "ignored"})
     assert entry_of(Outcome(Job("stop_distance", "avatarsim", "default"), "measured"))["step"] is None

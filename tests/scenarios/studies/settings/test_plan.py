@@ -188,7 +188,7 @@ def test_the_ladder_is_asked_first_and_the_solver_after_it(tmp_path: Path) -> No
 
 
 def test_what_has_no_words_for_an_error_or_repeats_its_preset_is_not_asked(tmp_path: Path) -> None:
-    silent = replace(outcome("slide_to_roll", "default"), about={"cannot_say": {"virtual coupling": "none"}})
+    silent = replace(outcome("slide_to_roll", "default"), about={"unsupported": {"virtual coupling": "none"}})
     same = replace(outcome("slide_to_roll", "tuned"), about={"settings": {"dt": [1 / 240, ""]}})
     names = [cell.setting.name for cell in plan.cells_of(request(tmp_path, ("slide_to_roll",), [silent, same]))]
     assert [name for name in names if name.startswith("default")] == ["default"]

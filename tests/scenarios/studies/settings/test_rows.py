@@ -46,7 +46,7 @@ def test_a_missing_figure_keeps_its_reason_and_an_untimed_cell_says_so() -> None
 
 
 def test_an_error_that_the_engine_cannot_express_has_no_figure() -> None:
-    found = {**entry(residual_overlap_max=0.0, course_error_max=0.4), "cannot_say": {"virtual coupling": "no spring"}}
+    found = {**entry(residual_overlap_max=0.0, course_error_max=0.4), "unsupported": {"virtual coupling": "no spring"}}
     rows = {row.metric: row for row in rows_of(CELL, ("residual_overlap_max", "course_error_max"), found, None)}
     assert rows["residual_overlap_max"].value == 0.0
     assert (rows["course_error_max"].value, rows["course_error_max"].status) == (None, "cannot-say")

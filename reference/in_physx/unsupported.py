@@ -10,7 +10,7 @@ from reference.in_physx.world import BETWEEN_HINGES, MOST_VERTICES, WHOLE_TURN
 from reference.narrowing import alike_in_game_engines
 
 
-def cannot_say(scene: Scene) -> Mapping[str, str]:
+def unsupported(scene: Scene) -> Mapping[str, str]:
     """Return the differences; empty when PhysX can express all of the scene."""
     found = alike_in_game_engines(scene, BETWEEN_HINGES, averages=True, vertices=MOST_VERTICES)
     hinges = [hinge for link in scene.links if isinstance(link.joint, Hinges) for hinge in link.joint.hinges]

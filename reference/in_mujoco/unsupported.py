@@ -8,7 +8,7 @@ from avatarsim.scene.shape import ConvexHull
 from reference.narrowing import alike_in_both
 
 
-def cannot_say(scene: Scene, hinged: bool = False) -> Mapping[str, str]:
+def unsupported(scene: Scene, hinged: bool = False) -> Mapping[str, str]:
     """Return the differences; empty when MuJoCo can express all of the scene; `hinged`: each ball joint is three hinges."""
     found: dict[str, str] = {}
     links = scene.links

@@ -14,7 +14,7 @@ WIDEST = math.radians(85.0)
 the second; smaller: more joints are without a limit of their swing."""
 
 
-def cannot_say(scene: Scene) -> Mapping[str, str]:
+def unsupported(scene: Scene) -> Mapping[str, str]:
     """Return the differences; empty when PyBullet can express all of the scene."""
     found = alike_in_game_engines(scene)
     limits = [link.joint.limits for link in scene.links if isinstance(link.joint, Ball) and link.joint.limits is not None]
