@@ -99,8 +99,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return code
     except AvatarsimError as error:
         # advice of readers in the words of their options, which are those of `avatarsim clean`
-        said = in_words(str(error), "clean") if options.command in ("scene", "compare") else str(error)
-        code, line = INCOMPLETE if isinstance(error, MissingPackage) else USAGE, f"{type(error).__name__}: {said}"
+        message = in_words(str(error), "clean") if options.command in ("scene", "compare") else str(error)
+        code, line = INCOMPLETE if isinstance(error, MissingPackage) else USAGE, f"{type(error).__name__}: {message}"
     except MemoryError as error:
         code, line = INCOMPLETE, described(error)
     except KeyboardInterrupt:

@@ -8,10 +8,10 @@ from avatarsim.errors import InvalidFile, MissingPackage
 
 def _folder(package: str, distribution: str, extra: str, use: str) -> Path:
     """Return the folder of a package. Raises MissingPackage."""
-    found = find_spec(package)
-    if found is None or not found.submodule_search_locations:
+    spec = find_spec(package)
+    if spec is None or not spec.submodule_search_locations:
         raise MissingPackage(distribution, extra, use)
-    return Path(next(iter(found.submodule_search_locations)))
+    return Path(next(iter(spec.submodule_search_locations)))
 
 
 def pybullet_data() -> Path:

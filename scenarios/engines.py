@@ -27,15 +27,15 @@ def known() -> dict[str, str]:
 
 def absent() -> dict[str, str]:
     """Return the built-in engines of which a package is not installed, name -> the command that installs it."""
-    found = {}
+    missing = {}
     for name, one in engines().items():
         for package in one.packages:
             if find_spec(package) is None:
-                found[name] = one.when_missing or bringing(one.extra, package)
-    return found
+                missing[name] = one.when_missing or bringing(one.extra, package)
+    return missing
 
 
-def taken(names: Sequence[str]) -> list[str]:
+def engines_to_run(names: Sequence[str]) -> list[str]:
     """Return the engines that are named, or without a name all that are installed; a line on stderr names those that are not."""
     if names:
         return list(names)
@@ -48,13 +48,13 @@ def taken(names: Sequence[str]) -> list[str]:
 @contextmanager
 def _muted() -> Iterator[None]:
     """Drop errors printed from C, where one engine greets on import; worker processes drop other output anyway."""
-    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    saved, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
     try:
         os.dup2(nowhere, 2)
         yield
     finally:
-        os.dup2(kept, 2)
-        os.close(kept)
+        os.dup2(saved, 2)
+        os.close(saved)
         os.close(nowhere)
 
 

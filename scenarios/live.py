@@ -53,10 +53,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         require_page()
         if options.motion:
             raise InvalidInput("--motion", str(options.motion[0]), "an option of `avatarsim live --avatar FILE`")
-        found, clips = staged_of(options.scene)
-        others = [plan_of(words, found.scene, options.rate) for words in options.engine]
-        offered = [plan for plan in installed(found.scene, options.rate) if plan.name not in {one.name for one in others}]
-        return drive(options, found, clips, others, judged(found.scene), [*others, *offered])
+        stage, clips = staged_of(options.scene)
+        others = [plan_of(words, stage.scene, options.rate) for words in options.engine]
+        offered = [plan for plan in installed(stage.scene, options.rate) if plan.name not in {one.name for one in others}]
+        return drive(options, stage, clips, others, judged(stage.scene), [*others, *offered])
     except AvatarsimError as error:
         print(f"scenarios.live: {error}", file=sys.stderr)
         return USAGE
@@ -88,8 +88,8 @@ def plan_of(words: str, scene: Scene, rate: float) -> Plan:
 def installed(scene: Scene, rate: float) -> list[Plan]:
     """Return the loops of all other engines whose packages are installed, in their first presets."""
     missing = absent()
-    found = [one for one in engines().values() if not one.baseline and one.name != GATED[0] and one.name not in missing]
-    return [plan_of(f"{one.name}/{preset}", scene, rate) for one in found for preset in one.presets[:PRESETS]]
+    shown = [one for one in engines().values() if not one.baseline and one.name != GATED[0] and one.name not in missing]
+    return [plan_of(f"{one.name}/{preset}", scene, rate) for one in shown for preset in one.presets[:PRESETS]]
 
 
 def judged(scene: Scene) -> Depth:

@@ -89,18 +89,18 @@ class OwnScene:
         as_room = partial(load_room, self.file, **{**self._of_room(self.file, bool(self.avatar)), "scale": self.scene_scale})
         if self.avatar:
             return load_avatar(self.avatar, **of_avatar), as_room(), *rooms
-        found, of_file = None, {**of_avatar, "scale": self.scene_scale}
+        model, of_file = None, {**of_avatar, "scale": self.scene_scale}
         if Path(self.file).suffix.lower() in MODELS:
-            found = load_avatar(self.file, **of_file, needed=False)
-            if found.avatar is not None:
-                return found, *rooms
+            model = load_avatar(self.file, **of_file, needed=False)
+            if model.avatar is not None:
+                return model, *rooms
         if self.recorded is not None:
             if (skeleton := self.recorded.model()) is not None:
                 return skeleton, as_room(), *rooms
-            if found is not None:
+            if model is not None:
                 # a loose body, which only a motion makes an avatar
                 return load_avatar(self.file, **of_file), *rooms
-        return found or as_room(), *rooms
+        return model or as_room(), *rooms
 
     def _of_room(self, file: str, beside_avatar: bool) -> dict[str, Any]:
         return self.reading.of_room(Path(file).suffix.lower() in MODELS, beside_avatar)
@@ -130,12 +130,12 @@ class OwnScene:
         for option, other in (("avatar", self.avatar), ("room", self.room), ("motion", self.motion), ("scene-scale", scale)):
             if other:
                 raise InvalidFile(f"--{option} beside {file}", other, "nothing: a recording has all of it")
-        found = read(Path(self.file))
-        samples = [row.sample for row in found.rows if isinstance(row, Frame)]
-        if not samples or not found.plan.scene.avatars:
+        recording = read(Path(self.file))
+        samples = [row.sample for row in recording.rows if isinstance(row, Frame)]
+        if not samples or not recording.plan.scene.avatars:
             raise InvalidFile(f"frames of {file}", len(samples), "1 at least, of a scene with an avatar")
-        driven = motion_of(samples, found.plan.rate).resampled(1.0 / RENDERED)
-        return replace(found.plan.scene, name=self.name), Track(driven.positions, driven.rotations, driven.angles)
+        driven = motion_of(samples, recording.plan.rate).resampled(1.0 / RENDERED)
+        return replace(recording.plan.scene, name=self.name), Track(driven.positions, driven.rotations, driven.angles)
 
     def parts(self) -> tuple[Scene, Track | None]:
         """Return the scene with a free first posture, and the motion from there, None without one."""
@@ -214,17 +214,17 @@ def take_files(
     Returns remarks of readers. Raises InvalidFile, InvalidInput for an invalid length, StartOverlaps where bodies overlap.
     """
     within("--seconds [s]", seconds, RENDERED, LONGEST, InvalidInput)
-    found: list[OwnScene] = []
+    scenes: list[OwnScene] = []
     for file in files:
         own = OwnScene(
-            named(file, [one.name for one in found]), _whole(file), _whole(avatar),
+            named(file, [one.name for one in scenes]), _whole(file), _whole(avatar),
             FLOOR if str(room) == FLOOR else _whole(room), _whole(motion), seconds, scene_scale, reading,
         )
         with closing(opened(GATED[0])) as engine:
             engine.load(_parts(own)[0], Settings(), RENDERED)
-        found.append(own)
-    os.environ[VARIABLE] = json.dumps([asdict(own) for own in found])
-    return [f"{own.name}: {note}" for own in found for note in own.notes]
+        scenes.append(own)
+    os.environ[VARIABLE] = json.dumps([asdict(own) for own in scenes])
+    return [f"{own.name}: {note}" for own in scenes for note in own.notes]
 
 
 def _whole(path: PathLike) -> str:

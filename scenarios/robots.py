@@ -148,15 +148,15 @@ class OwnGeoms:
                 m.body_pos[root], m.body_quat[root] = q[first : first + 3], q[first + 3 : first + 7]
             first += width
         self._mj.mj_kinematics(m, d)
-        worst, found = 0.0, ""
+        worst, pair = 0.0, ""
         for g, h, allowed in self._pairs:
             near = m.geom_rbound[g] + m.geom_rbound[h]
             if min(m.geom_rbound[g], m.geom_rbound[h]) > 0.0 and np.linalg.norm(d.geom_xpos[g] - d.geom_xpos[h]) > near:
                 continue
             depth = -self._mj.mj_geomDistance(m, d, g, h, 1e-3, None) - allowed
             if depth > worst:
-                worst, found = depth, f"{m.body(m.geom_bodyid[g]).name}, {m.body(m.geom_bodyid[h]).name}"
-        return worst, found
+                worst, pair = depth, f"{m.body(m.geom_bodyid[g]).name}, {m.body(m.geom_bodyid[h]).name}"
+        return worst, pair
 
 
 def own_joints(path: Path) -> list[str]:
@@ -177,10 +177,10 @@ def lost_joints(own: Sequence[str], coordinates: Coordinates | None, is_fixed: b
 
     Unnamed ones are compared by their number."""
     slots = () if coordinates is None else coordinates.slots
-    found = Counter(slot.name for slot in slots if slot.kind != "free" and (is_fixed or slot.kind != "fixed"))
-    missing = list((Counter(name for name in own if name) - found).elements())
+    imported = Counter(slot.name for slot in slots if slot.kind != "free" and (is_fixed or slot.kind != "fixed"))
+    missing = list((Counter(name for name in own if name) - imported).elements())
     unnamed = len(own) - sum(bool(name) for name in own)
-    spare = sum((found - Counter(own)).values())
+    spare = sum((imported - Counter(own)).values())
     return missing + [f"{unnamed - spare} unnamed"] * (unnamed > spare)
 
 
@@ -194,15 +194,15 @@ def walls(model: av.Model) -> tuple[av.Body, ...]:
     own = own[np.isfinite(own).all(axis=1)]
     low, high = own[:, :3].min(axis=0) - ROOM, own[:, 3:].max(axis=0) + ROOM
     size, middle = float((high - low).max()) + 2.0, 0.5 * (low + high)
-    found = []
+    bodies = []
     for name, axis, face, side in SIDES:
         place = middle.copy()
         place[axis] = (high if face else low)[axis] + side
         extent = np.full(3, size)
         extent[axis] = 1.0
         piece = av.Piece(av.Box(vector_of(extent)))
-        found.append(av.fixed(f"room {name}", (piece,), "wood", vector_of(place)))
-    return tuple(found)
+        bodies.append(av.fixed(f"room {name}", (piece,), "wood", vector_of(place)))
+    return tuple(bodies)
 
 
 def driven(model: av.Model, frames: int, seed: int, rate: float) -> Iterator[Array]:
@@ -313,14 +313,14 @@ def drive(path: Path, frames: int, seed: int, rate: float) -> Driven:
         return Driven(package, name, "refused", note=" ".join(str(error).split()))
     joints = sum(slot.kind not in ("fixed", "free") for slot in model.coordinates.slots)
     p50, p99 = np.percentile(times[1:], [50, 99])
-    beyond, speed, acceleration = kept(model, np.array(rows), rate)
+    beyond, speed, acceleration = within_limits(model, np.array(rows), rate)
     return Driven(
         package, name, "robot", len(model.avatar.links), joints, deepest, pair, beyond, speed, acceleration, load, float(p50),
         float(p99), free / frames, len(own), lost, given, "; ".join(model.said),
     )
 
 
-def kept(model: av.Model, rows: Array, rate: float) -> tuple[float, float, float]:
+def within_limits(model: av.Model, rows: Array, rate: float) -> tuple[float, float, float]:
     """Return how far hinges and slides are beyond their limits [rad, m], and their largest speed and acceleration as shares of
     the limits; 0 where there are none. `rows` (F, width)."""
     assert model.coordinates is not None and model.avatar is not None
@@ -346,7 +346,7 @@ def is_model(path: Path) -> bool:
 
 def markdown(rows: Sequence[Driven]) -> str:
     """Return tables of packages, and of refusals by their statement of the valid form."""
-    found = ["| package | files | robots | rooms | refused | links | slowest load | call, median | overlap |",
+    lines = ["| package | files | robots | rooms | refused | links | slowest load | call, median | overlap |",
              "|---|---|---|---|---|---|---|---|---|"]
     for package in dict.fromkeys(row.package for row in rows):
         own = [row for row in rows if row.package == package]
@@ -355,16 +355,16 @@ def markdown(rows: Sequence[Driven]) -> str:
         figures = (f"{max(row.load for row in robots):.1f} s | {np.median([row.call_p50 for row in robots]):.0f} us | "
                    f"{1e3 * max(row.overlap for row in robots):.3g} mm" if robots else " | | ")
         counts = " | ".join(str(count) for count in (len(own), kinds["robot"], kinds["room"], kinds["refused"]))
-        found.append(f"| {package} | {counts} | {links} | {figures} |")
+        lines.append(f"| {package} | {counts} | {links} | {figures} |")
     reasons = dict[str, list[str]]()
     for row in rows:
         if row.kind == "refused":
             reasons.setdefault(reason(row.note), []).append(f"{row.package}: {Path(row.model).name}")
-    found += ["", "| refused | what would be valid |", "|---|---|"]
+    lines += ["", "| refused | what would be valid |", "|---|---|"]
     for why, models in sorted(reasons.items(), key=lambda entry: -len(entry[1])):
         more = f" and {len(models) - NAMED} more" if len(models) > NAMED else ""
-        found.append(f"| {', '.join(models[:NAMED])}{more} | {why} |")
-    return "\n".join(found)
+        lines.append(f"| {', '.join(models[:NAMED])}{more} | {why} |")
+    return "\n".join(lines)
 
 
 def reason(note: str) -> str:
@@ -383,23 +383,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options.add_argument("--jobs", type=int, default=2, metavar="N", help="models side by side; 0: in this process (default 2)")
     options.add_argument("--out", type=path_option, metavar="FILE.csv", help="file for the table")
     options.add_argument("--markdown", action="store_true", help="print tables of packages and refusals, as in docs/files.md")
-    asked = options.parse_args(arguments)
-    packages = {file: folder.name for folder in asked.folders
+    args = options.parse_args(arguments)
+    packages = {file: folder.name for folder in args.folders
                 for file in ([folder] if folder.is_file() else sorted(folder.rglob("*"))) if is_model(file)}
-    task, rows = partial(drive, frames=asked.frames, seed=asked.seed, rate=asked.rate), list[Driven]()
+    task, rows = partial(drive, frames=args.frames, seed=args.seed, rate=args.rate), list[Driven]()
     with Progress("robots", len(packages), sys.stderr) as progress:
-        for file, row in side_by_side(task, list(packages), asked.jobs, lambda file: False):
+        for file, row in side_by_side(task, list(packages), args.jobs, lambda file: False):
             if isinstance(row, Died):
                 row = Driven("", file.name, "refused", note=str(row))
             rows.append(replace(row, package=packages[file]))
             progress.step(file.name)
     rows.sort(key=lambda row: (row.package, row.kind, row.model))
     robots = [row for row in rows if row.kind == "robot"]
-    print(markdown(rows) if asked.markdown else "\n".join(map(line, rows)))
+    print(markdown(rows) if args.markdown else "\n".join(map(line, rows)))
     counted = f"{len(robots)} robots and {sum(row.kind == 'room' for row in rows)} rooms of {len(rows)} files"
     print(f"{counted}; {sum(row.overlap > SEEN for row in robots)} overlap by their own geoms", file=sys.stderr)
-    if asked.out is not None:
-        with asked.out.open("w", newline="", encoding="utf-8") as file:
+    if args.out is not None:
+        with args.out.open("w", newline="", encoding="utf-8") as file:
             table = csv.DictWriter(file, [field.name for field in fields(Driven)])
             table.writeheader()
             table.writerows(map(asdict, rows))
@@ -411,8 +411,8 @@ def line(row: Driven) -> str:
     if row.kind != "robot":
         return f"{row.model:40.40} {row.kind}: {row.note}"
     size = f"{row.links:4} links {row.joints:4} joints"
-    kept = f"{1e3 * row.overlap:8.4f} mm {row.beyond:7.1g} {row.speed:5.2f} {row.acceleration:5.2f}"
-    return f"{row.model:40.40} {size}  {kept}  {row.call_p50:7.0f} us {row.call_p99:7.0f} us  {row.pair} {row.options}"
+    figures = f"{1e3 * row.overlap:8.4f} mm {row.beyond:7.1g} {row.speed:5.2f} {row.acceleration:5.2f}"
+    return f"{row.model:40.40} {size}  {figures}  {row.call_p50:7.0f} us {row.call_p99:7.0f} us  {row.pair} {row.options}"
 
 
 if __name__ == "__main__":

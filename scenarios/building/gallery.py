@@ -63,9 +63,9 @@ def convex_pieces(path: Path, scale: float, y_up: bool) -> tuple[Piece, ...]:
 def walls() -> tuple[Body, ...]:
     """Return ten boxes: six outside, two next to the doorway, its lintel, and a screen that makes a corner in room two."""
     x, y, t = 0.5 * LENGTH, 0.5 * WIDTH, 0.5 * THICK
-    beside = 0.5 * (WIDTH - DOOR_WIDTH)
-    along, across, half_door = (x, THICK, HEIGHT), (THICK, WIDTH + 2.0 * THICK, HEIGHT), (THICK, beside, HEIGHT)
-    middle, next_to_door = 0.5 * HEIGHT, 0.5 * (DOOR_WIDTH + beside)
+    side_width = 0.5 * (WIDTH - DOOR_WIDTH)
+    along, across, half_door = (x, THICK, HEIGHT), (THICK, WIDTH + 2.0 * THICK, HEIGHT), (THICK, side_width, HEIGHT)
+    middle, next_to_door = 0.5 * HEIGHT, 0.5 * (DOOR_WIDTH + side_width)
     above = HEIGHT - DOOR_HEIGHT
     boxes: dict[str, tuple[Vector, Vector]] = {
         "wall_north_one": (along, (-0.5 * x, y + t, middle)),

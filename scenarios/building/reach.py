@@ -17,11 +17,11 @@ def reach(avatars: tuple[Avatar, ...], samples: Iterable[TrackerSample], directi
     """Return the largest coordinate [m] of any point of the avatars along the unit `direction`, per sample."""
     d = np.asarray(direction, dtype=np.float64)
     pieces = [(k, piece) for k, link in enumerate(link for a in avatars for link in a.links) for piece in link.pieces]
-    found = []
+    distances = []
     for sample in samples:
         positions, orientations = link_poses(avatars, sample)
-        found.append(max(_piece_reach(piece, positions[k], orientations[k], d) for k, piece in pieces))
-    return np.array(found)
+        distances.append(max(_piece_reach(piece, positions[k], orientations[k], d) for k, piece in pieces))
+    return np.array(distances)
 
 
 def _piece_reach(piece: Piece, position: Array, orientation: Array, d: Array) -> float:

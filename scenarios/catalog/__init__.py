@@ -11,28 +11,28 @@ from scenarios.scenario import Scenario
 
 
 @cache
-def _found() -> MappingProxyType[str, Scenario]:
-    found: dict[str, Scenario] = {}
+def _collected() -> MappingProxyType[str, Scenario]:
+    by_name: dict[str, Scenario] = {}
     for module in sorted(walk_packages(__path__, f"{__name__}."), key=lambda info: info.name):
         if module.ispkg:
             continue
         exports = import_module(module.name)
         several = getattr(exports, "SCENARIOS", None)
         for scenario in several if several is not None else (exports.SCENARIO,):
-            if scenario.name in found:
+            if scenario.name in by_name:
                 raise InvalidInput("name of a scenario", scenario.name, "names that occur once only")
-            found[scenario.name] = scenario
-    return MappingProxyType(dict(sorted(found.items())))
+            by_name[scenario.name] = scenario
+    return MappingProxyType(dict(sorted(by_name.items())))
 
 
 def scenarios() -> dict[str, Scenario]:
     """Return every scenario by name, sorted, none of them built; where a user brings scenes, these alone."""
-    return own_scenes.scenarios() or dict(_found())
+    return own_scenes.scenarios() or dict(_collected())
 
 
 def get(name: str) -> Scenario:
     """Return the scenario called `name`; UnknownName lists those that exist."""
-    found = scenarios()
-    if name not in found:
-        raise UnknownName("scenario", name, found)
-    return found[name]
+    known = scenarios()
+    if name not in known:
+        raise UnknownName("scenario", name, known)
+    return known[name]

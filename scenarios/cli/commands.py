@@ -15,7 +15,7 @@ from runfiles.naming import GATED
 from runfiles.table import Row
 from scenarios.cli.plan import Plan, origin, plan, scenarios, unmatched
 from scenarios.cli.table import table
-from scenarios.engines import taken
+from scenarios.engines import engines_to_run
 from scenarios.run.gate import INCOMPLETE, MEANINGS, NOTHING, STOPPED, ceilings, meaning
 from scenarios.run.harness import Run
 from scenarios.run.processes import workers_of
@@ -38,7 +38,7 @@ def run(options: argparse.Namespace, words: Sequence[str]) -> int:
 
 def bench(options: argparse.Namespace, words: Sequence[str]) -> int:
     """Time all jobs that run through, at length; print their times."""
-    made = plan(options, taken(options.engine), False)
+    made = plan(options, engines_to_run(options.engine), False)
     return carry_out(options, words, replace(made, gated=frozenset()), timed=True, report=False)
 
 
@@ -133,9 +133,9 @@ def _incomplete(ran: Run, troubles: Sequence[str], code: int) -> int:
 
 def nothing_matched(options: argparse.Namespace) -> int:
     """Print the names that are like the patterns of a filter without a scene."""
-    found = scenarios(options.command, options.filter)
-    for pattern in unmatched(found, options.filter) or [options.filter]:
-        print(f"no scene matches {pattern!r}; there are {likely(pattern, found)}", file=sys.stderr)
+    known = scenarios(options.command, options.filter)
+    for pattern in unmatched(known, options.filter) or [options.filter]:
+        print(f"no scene matches {pattern!r}; there are {likely(pattern, known)}", file=sys.stderr)
     print("`python -m scenarios list` names them all", file=sys.stderr)
     print_end(options, NOTHING, None)
     return NOTHING
@@ -144,8 +144,8 @@ def nothing_matched(options: argparse.Namespace) -> int:
 def _earlier(ran: Run, options: argparse.Namespace) -> Path | None:
     """Return the last run of the same command, which the report compares with; None without one."""
     before = latest(options.out, options.command)
-    found = before.resolve() if before.exists() else None
-    return found if found != ran.folder.resolve() else None
+    earlier = before.resolve() if before.exists() else None
+    return earlier if earlier != ran.folder.resolve() else None
 
 
 def _report(folder: Path, before: Path | None) -> str:

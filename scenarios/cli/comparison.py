@@ -13,7 +13,7 @@ from runfiles.naming import GATED
 from scenarios import own_scenes
 from scenarios.cli.commands import carry_out
 from scenarios.cli.plan import plan
-from scenarios.engines import taken
+from scenarios.engines import engines_to_run
 from scenarios.job import Job
 from scenarios.run.harness import Run
 from scenarios.studies import contact_law, effects, hard_cases, judge_trust, settings
@@ -32,12 +32,12 @@ def compare(options: argparse.Namespace, words: Sequence[str]) -> int:
         take_own_scenes(options)
     else:
         reading = reading_of(options)
-        said = {option: getattr(options, option) for option in ("avatar", "room", "motion", "scene_scale")}
-        said |= {name: value for name, value in asdict(reading).items() if value != getattr(own_scenes.AS_FOUND, name)}
-        for option, value in said.items():
+        given = {option: getattr(options, option) for option in ("avatar", "room", "motion", "scene_scale")}
+        given |= {name: value for name, value in asdict(reading).items() if value != getattr(own_scenes.AS_FOUND, name)}
+        for option, value in given.items():
             if value is not None:
                 raise InvalidInput(f"--{option.replace('_', '-')}", str(value), "with --scene FILE, the scene that it belongs to")
-    made = plan(options, taken(options.engine), False)
+    made = plan(options, engines_to_run(options.engine), False)
 
     def study(ran: Run) -> list[str]:
         return [] if options.frames is not None else in_turn(OWN_STUDIES if own else STUDIES, request_of(options, ran))
@@ -63,11 +63,11 @@ def take_own_scenes(options: argparse.Namespace) -> None:
 
 def presets_of(jobs: Iterable[Job]) -> dict[str, tuple[str, ...]]:
     """Return the presets of each engine among jobs, without rows of the user's own."""
-    found: dict[str, dict[str, None]] = {}
+    by_engine: dict[str, dict[str, None]] = {}
     for job in jobs:
         if not job.base:
-            found.setdefault(job.engine, {})[job.preset] = None
-    return {engine: tuple(presets) for engine, presets in found.items()}
+            by_engine.setdefault(job.engine, {})[job.preset] = None
+    return {engine: tuple(presets) for engine, presets in by_engine.items()}
 
 
 def request_of(options: argparse.Namespace, ran: Run) -> Request:

@@ -34,7 +34,7 @@ def drawn(options: argparse.Namespace, words: Sequence[str]) -> int:
     """
     if options.count < 1:
         raise InvalidInput("--count", options.count, "1 at least")
-    first = seeds.drawn().seed if options.seed[0] == seeds.OWN else options.seed[0]
+    first = seeds.draw().seed if options.seed[0] == seeds.OWN else options.seed[0]
     pairs = picked(options.filter, first, options.count)
     if not pairs:
         return nothing_matched(options)
@@ -49,8 +49,8 @@ def drawn(options: argparse.Namespace, words: Sequence[str]) -> int:
             job = outcome.job
             if outcome.recording is not None:
                 outcome.recording.unlink(missing_ok=True)
-            found = rows_of(outcome, made.scenarios[job.scenario], {}, (job.engine, job.preset) == gated)
-            by_job[job.stem] = [replace(row, status="info") if no_occasion(outcome, row.metric) else row for row in found]
+            job_rows = rows_of(outcome, made.scenarios[job.scenario], {}, (job.engine, job.preset) == gated)
+            by_job[job.stem] = [replace(row, status="info") if no_occasion(outcome, row.metric) else row for row in job_rows]
             progress.step(f"{job.scenario} {job.seed} {outcome.state}")
     rows = [row for job in made.jobs for row in by_job[job.stem]]
     if options.json:
@@ -90,17 +90,17 @@ def picked(patterns: str | None, first: int, number: int) -> list[tuple[str, int
 
 def summary(rows: Sequence[Row], metrics: set[str]) -> str:
     """Return median and worst of each bounded figure, and of `metrics`, of a kind and engine, and how many break their bound."""
-    found = pd.DataFrame([
+    table = pd.DataFrame([
         {"kind": re.sub(r"_\d+$", "", row.scenario), "run": row.run, "metric": row.metric, "value": row.value,
          "worst_in": f"{row.scenario} --seed {row.seed}", "outside": row.bound is not None and not row.value <= row.bound}
         for row in rows if row.value is not None and (row.bound is not None or row.metric in metrics)
     ])
-    if found.empty:
+    if table.empty:
         return "no figures"
-    groups = found.groupby(["kind", "run", "metric"], sort=False)
+    groups = table.groupby(["kind", "run", "metric"], sort=False)
     # of figures that are no number the first is the worst
     worst = groups.value.apply(lambda values: values.fillna(float("inf")).idxmax())
     lines = groups.agg(median=("value", "median"), outside=("outside", "sum"), of=("outside", "size"))
-    lines.insert(1, "worst", found.value[worst].to_numpy())
-    text: str = lines.assign(worst_in=found.worst_in[worst].to_numpy()).to_string(float_format="{:.3g}".format)
+    lines.insert(1, "worst", table.value[worst].to_numpy())
+    text: str = lines.assign(worst_in=table.worst_in[worst].to_numpy()).to_string(float_format="{:.3g}".format)
     return text

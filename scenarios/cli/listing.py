@@ -19,11 +19,11 @@ LISTED = 3
 
 def listing(options: argparse.Namespace, words: Sequence[str]) -> int:
     """Print names, lengths and titles; with `--effects` the effects of each scene, and the parts that need them."""
-    found = scenes(options)
-    if not found:
+    listed = scenes(options)
+    if not listed:
         return nothing_matched(options)
     entries: list[dict[str, Any]] = []
-    for scenario in found.values():
+    for scenario in listed.values():
         names = ("name", "frames", "short", "dt", "everyday", "title", "judged")
         effects = effects_of(scenario.build()) if options.effects else {}
         entries.append({name: getattr(scenario, name) for name in names} | effects)

@@ -63,14 +63,14 @@ def filtered(scenes: Mapping[str, Scene], text: str) -> dict[str, Scene]:
 
 def scenarios(command: str, patterns: str | None = None) -> dict[str, Scenario]:
     """Return all scenes that a command offers, the unseen ones last; `patterns` is the text of its filter."""
-    found = catalog.scenarios()
+    known = catalog.scenarios()
     if own_scenes.scenarios():
-        return found
+        return known
     for room in (unseen, drawn_crowds):
         named = any(pattern.startswith(room.PREFIX) for pattern in patterns_of(patterns or ""))
         if command in MIXED or (command in NAMED and named):
-            found = {**found, **room.scenarios()}
-    return found
+            known = {**known, **room.scenarios()}
+    return known
 
 
 def catalogue_of(name: str) -> str:
@@ -83,19 +83,19 @@ def get(name: str) -> Scenario:
     known_names = scenarios("list")
     if name not in known_names and not name.startswith(drawn_crowds.PREFIX):
         raise UnknownName("scenario", name, known_names)
-    found: Scenario = import_module(catalogue_of(name)).get(name)
-    return found
+    scenario: Scenario = import_module(catalogue_of(name)).get(name)
+    return scenario
 
 
 def seed_of(name: str, seed: int) -> int:
     """Return the seed of a job: of an unseen scene, OWN means the commit's own."""
-    return seeds.drawn().seed if seed == seeds.OWN and name in unseen.scenarios() else seed
+    return seeds.draw().seed if seed == seeds.OWN and name in unseen.scenarios() else seed
 
 
 def origin(jobs: Iterable[Job]) -> dict[str, object]:
     """Return the provenance of the commit's own seed, empty where no job has it."""
-    drawn = any(job.catalogue == unseen.NAME and job.seed == seeds.drawn().seed for job in jobs)
-    return {"unseen": seeds.drawn().said} if drawn else {}
+    is_drawn = any(job.catalogue == unseen.NAME and job.seed == seeds.draw().seed for job in jobs)
+    return {"unseen": seeds.draw().text} if is_drawn else {}
 
 
 def scenes(options: argparse.Namespace) -> dict[str, Scenario]:
@@ -105,17 +105,17 @@ def scenes(options: argparse.Namespace) -> dict[str, Scenario]:
         UnknownName: for a scene or a bounded metric that there is not.
     """
     name = getattr(options, "scene", None)
-    found = {name: get(name)} if name else scenarios(options.command, options.filter)
+    selected = {name: get(name)} if name else scenarios(options.command, options.filter)
     if options.filter is not None:
-        found = filtered(found, options.filter)
+        selected = filtered(selected, options.filter)
     elif options.command == "bench" and not options.full:
-        few = {key: scenario for key, scenario in found.items() if scenario.everyday or key in (*TABLE_2, *PILES)}
-        note = f"{len(few)} of {len(found)} scenes: everyday ones, piles and Table 2"
+        few = {key: scenario for key, scenario in selected.items() if scenario.everyday or key in (*TABLE_2, *PILES)}
+        note = f"{len(few)} of {len(selected)} scenes: everyday ones, piles and Table 2"
         print(f"{note}; --full (make: FULL=1) or --filter '*' takes all", file=sys.stderr)
-        found = few
-    for scenario in found.values():
+        selected = few
+    for scenario in selected.values():
         bounds_of(scenario)
-    return found
+    return selected
 
 
 def plan(
@@ -137,14 +137,14 @@ def plan(
             raise InvalidInput("--seed", seed, f"0 to {LARGEST_SEED}")
     engines = list(dict.fromkeys(engines))
     own = read(options.settings, known(), engines) if options.settings else ()
-    found = {name: get(name) for name, _ in pairs} or scenes(options)
-    offered = offers(engines, options.jobs) if found else {}
+    selected = {name: get(name) for name, _ in pairs} or scenes(options)
+    offered = offers(engines, options.jobs) if selected else {}
     presets = _presets(options, offered, own, first_preset_only)
-    if own and found:
+    if own and selected:
         opens = [row for row in own if not offered[row.engine].trouble]
-        check_settings(opens, next(iter(found)), options.settings, options.jobs)
+        check_settings(opens, next(iter(selected)), options.settings, options.jobs)
     jobs, ready = [], []
-    for scene, seed in pairs or [(scene, seed) for scene in found for seed in dict.fromkeys(options.seed)]:
+    for scene, seed in pairs or [(scene, seed) for scene in selected for seed in dict.fromkeys(options.seed)]:
         for name, offer in offered.items():
             common = {"scenario": scene, "engine": name, "seed": seed_of(scene, seed), "full": options.full,
                       "frames": options.frames, "catalogue": catalogue_of(scene)}
@@ -154,11 +154,11 @@ def plan(
                 jobs += absent
                 ready += [Outcome(job, "crashed" if offer.crashed else "not-measured", offer.trouble) for job in absent]
                 continue
-            more = variants_of(name, found[scene], options.preset) if options.command == "compare" or options.preset else ()
+            more = variants_of(name, selected[scene], options.preset) if options.command == "compare" or options.preset else ()
             jobs += [Job(**common, preset=preset, base=row.base, options=row.options) if row else Job(**common, preset=preset)
                      for preset, row in (*presets[name], *((variant, None) for variant in more))]
     firsts = {name: offer.presets[0] if offer.presets else "default" for name, offer in offered.items()}
-    return Plan(found, jobs, ready, frozenset(firsts.items()), own)
+    return Plan(selected, jobs, ready, frozenset(firsts.items()), own)
 
 
 def _presets(

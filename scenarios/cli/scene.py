@@ -30,7 +30,7 @@ from scenarios.cli import listing
 from scenarios.cli.comparison import take_own_scenes
 from scenarios.cli.plan import Plan, plan
 from scenarios.cli.table import COLUMNS
-from scenarios.engines import known, taken
+from scenarios.engines import engines_to_run, known
 from scenarios.job import Job
 from scenarios.run.gate import FAILED, INCOMPLETE, PASSED, USAGE, exit_code
 from scenarios.run.harness import Run
@@ -104,7 +104,7 @@ def _compared(options: argparse.Namespace, words: Sequence[str]) -> int:
     for name in (word.partition("/")[0] for word in (*options.engine, *gates)):
         if name not in known():
             raise UnknownName("engine", name, known())
-    kept = kept_figures(options.drift) if options.drift and not options.update_drift else {}
+    reference = kept_figures(options.drift) if options.drift and not options.update_drift else {}
     take_own_scenes(options)
     made = chosen(options, gates)
     gated = [run for run in dict.fromkeys(job.run for job in made.jobs) if _names(gates, run)]
@@ -120,14 +120,14 @@ def _compared(options: argparse.Namespace, words: Sequence[str]) -> int:
         code = exit_code(checks)
         if options.out is not None:
             ran.write(code)
-    found = document(ran, rows, checks)
-    moved = drifted(kept, found)
+    figures = document(ran, rows, checks)
+    moved = drifted(reference, figures)
     if options.update_drift:
-        update(options.drift, found)
+        update(options.drift, figures)
     code = FAILED if moved else code
     _write(options, rows, checks)
     if options.json:
-        print(json.dumps(plain({**found, "exit_code": code}), allow_nan=False))
+        print(json.dumps(plain({**figures, "exit_code": code}), allow_nan=False))
     else:
         print(table(ran, rows, limits))
         print("\n".join(verdicts(checks, code, moved)))
@@ -144,12 +144,12 @@ def chosen(options: argparse.Namespace, gates: Sequence[str]) -> Plan:
 
     Raises UnknownName for an engine, or for a preset that does not run in the scene.
     """
-    asked = [*options.engine, *gates] if options.engine else gates
-    engines = dict.fromkeys(word.partition("/")[0] for word in (asked if options.engine else [*taken([]), *gates]))
+    requested = [*options.engine, *gates] if options.engine else gates
+    engines = dict.fromkeys(word.partition("/")[0] for word in (requested if options.engine else [*engines_to_run([]), *gates]))
     # as compare, so that variants are planned too
     made = plan(argparse.Namespace(**{**vars(options), "command": "compare", "preset": []}), list(engines), False)
     runs = {job.run for job in made.jobs}
-    for word in asked:
+    for word in requested:
         engine = word.partition("/")[0]
         if "/" in word and word not in runs:
             presets = [run.partition("/")[2] for run in runs if run.startswith(f"{engine}/")]
@@ -159,7 +159,7 @@ def chosen(options: argparse.Namespace, gates: Sequence[str]) -> Plan:
     def is_wanted(job: Job) -> bool:
         one = about(job.engine)
         usual = job.preset in one.presets if one.path else job.preset not in one.variants
-        return job.run in asked or job.run in rows or (usual and (not options.engine or job.engine in asked))
+        return job.run in requested or job.run in rows or (usual and (not options.engine or job.engine in requested))
 
     return replace(made, jobs=list(filter(is_wanted, made.jobs)), ready=[one for one in made.ready if is_wanted(one.job)])
 
@@ -196,13 +196,13 @@ def table(ran: Run, rows: Sequence[Row], limits: Collection[str]) -> str:
         line = {"scene": job.scenario, "engine": job.run, "version": str(outcome.about.get("version", ""))}
         line |= {heading: figures.get((job.scenario, job.run, name), "") for name, heading in shown.items()}
         lines.append(line | {"": "" if outcome.state == "measured" else f"{outcome.state}: {outcome.note}"})
-    found = pd.DataFrame(lines)
+    data = pd.DataFrame(lines)
     if len(ran.scenarios) == 1 and lines:
-        found = found.drop(columns="scene")
-    found = found.loc[:, (found != "").any()] if lines else found
-    said = [f"{one.title} {frames_of(ran, name)} frames of {one.dt:.3g} s." for name, one in ran.scenarios.items()]
-    said += ["", found.to_string(index=False) if lines else "nothing was run"]
-    return "\n".join([*said, *missing.values(), ""])
+        data = data.drop(columns="scene")
+    data = data.loc[:, (data != "").any()] if lines else data
+    parts = [f"{one.title} {frames_of(ran, name)} frames of {one.dt:.3g} s." for name, one in ran.scenarios.items()]
+    parts += ["", data.to_string(index=False) if lines else "nothing was run"]
+    return "\n".join([*parts, *missing.values(), ""])
 
 
 def frames_of(ran: Run, name: str) -> str:
@@ -214,7 +214,7 @@ def frames_of(ran: Run, name: str) -> str:
 
 def verdicts(checks: Sequence[Row], code: int, moved: Sequence[Moved]) -> list[str]:
     """Return a line per check, a table of figures that have drifted, and the verdict."""
-    said, several = [], len({row.scenario for row in checks}) > 1
+    lines, several = [], len({row.scenario for row in checks}) > 1
     for row in checks:
         if row.metric == FINITE and row.status == "pass":
             continue
@@ -222,12 +222,12 @@ def verdicts(checks: Sequence[Row], code: int, moved: Sequence[Moved]) -> list[s
         value = f"{metric(row.metric).label} {quantity(row.value, row.unit)}{limit}" if row.metric != "run" else ""
         why = row.note if row.status != "pass" and row.value is None else ""
         run = f"{row.scenario}  {row.run}" if several else row.run
-        said.append(f"{row.status:<4}  {run}  {'; '.join(filter(None, [value, why]))}  [{row.metric}]")
+        lines.append(f"{row.status:<4}  {run}  {'; '.join(filter(None, [value, why]))}  [{row.metric}]")
     word = {PASSED: "PASS", FAILED: "FAIL", INCOMPLETE: "INCOMPLETE"}[code]
     held = sum(row.status == "pass" for row in checks)
     drift = f"; moved since they were kept: {len(moved)} figures (--update-drift keeps the new ones)" if moved else ""
     count = f"{held} of {len(checks)} checks hold" if checks else "nothing is gated"
-    return [*said, *(["", drift_table(moved), ""] if moved else []), f"{word}: {count}{drift}"]
+    return [*lines, *(["", drift_table(moved), ""] if moved else []), f"{word}: {count}{drift}"]
 
 
 def _write(options: argparse.Namespace, rows: Sequence[Row], checks: Sequence[Row]) -> None:

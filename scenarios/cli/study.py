@@ -17,7 +17,7 @@ from runfiles.table import Row
 from scenarios.cli.commands import nothing_matched, print_end
 from scenarios.cli.comparison import presets_of
 from scenarios.cli.plan import Plan, plan
-from scenarios.engines import taken
+from scenarios.engines import engines_to_run
 from scenarios.run.gate import INCOMPLETE, STOPPED
 from scenarios.run.processes import workers_of
 from scenarios.studies import contact_law, effects, hard_cases, settings
@@ -35,7 +35,7 @@ def study(options: argparse.Namespace, words: Sequence[str]) -> int:
             raise UnknownName("study", name, STUDIES)
     if options.resume is not None:
         raise InvalidInput("--resume", str(options.resume), "none: a study resumes by itself when its command is repeated")
-    made = plan(options, [name for name in taken(options.engine) if options.engine or name != BASELINE], False)
+    made = plan(options, [name for name in engines_to_run(options.engine) if options.engine or name != BASELINE], False)
     if not made.scenarios:
         return nothing_matched(options)
     folder = last_comparison(options.out.resolve(), CHECKPOINTS) if options.run is None else options.run
@@ -44,19 +44,19 @@ def study(options: argparse.Namespace, words: Sequence[str]) -> int:
     code, rows = INCOMPLETE if absent else 0, list[Row]()
     for name in options.name:
         try:
-            found, troubles = STUDIES[name].carry_out(request_of(options, made, STUDIES[name], folder))
+            study_rows, troubles = STUDIES[name].carry_out(request_of(options, made, STUDIES[name], folder))
         except KeyboardInterrupt:
             code = STOPPED
             with suppress(OSError):
                 # a terminal that was closed takes no text
                 print("stopped; finished parts are kept, and the same command resumes the study", file=sys.stderr)
             break
-        rows += found
+        rows += study_rows
         for trouble in troubles:
             print(f"{name}: {trouble}", file=sys.stderr)
-        code = code or (INCOMPLETE if troubles or any(row.status == "crashed" and not row.change for row in found) else 0)
+        code = code or (INCOMPLETE if troubles or any(row.status == "crashed" and not row.change for row in study_rows) else 0)
         if not options.json:
-            print(f"{name}\n{table(found)}\n")
+            print(f"{name}\n{table(study_rows)}\n")
     if options.json:
         print(json.dumps(plain([asdict(row) for row in rows]), allow_nan=False))
     for engine, note in absent.items():
@@ -74,7 +74,7 @@ def request_of(options: argparse.Namespace, made: Plan, study: Study, folder: Pa
     presets = presets_of(job for job in made.jobs if job.engine not in closed)
     return Request(
         folder, scenarios, presets, workers_of(options), options.seed[0], options.full, frames=options.frames, own=made.own,
-        kept=options.out.resolve() / CHECKPOINTS,
+        checkpoints=options.out.resolve() / CHECKPOINTS,
     )
 
 
@@ -82,10 +82,10 @@ def table(rows: Sequence[Row]) -> str:
     """Return a line per run and change, a column per metric: the median over scenes; and the number of runs without figures."""
     if not rows:
         return "nothing to do in these scenes"
-    found = pd.DataFrame([{"run": row.run, "change": row.change, "metric": row.metric, "value": row.value} for row in rows])
-    found["value"] = found.value.astype(float)
-    shown = found.pivot_table("value", ["run", "change"], "metric", "median", sort=False)
-    failed = found[found.metric == "run"].groupby(["run", "change"], sort=False).size()
+    values = pd.DataFrame([{"run": row.run, "change": row.change, "metric": row.metric, "value": row.value} for row in rows])
+    values["value"] = values.value.astype(float)
+    shown = values.pivot_table("value", ["run", "change"], "metric", "median", sort=False)
+    failed = values[values.metric == "run"].groupby(["run", "change"], sort=False).size()
     shown = shown.assign(without_figures=failed.reindex(shown.index).fillna(0).astype(int))
     text: str = shown.to_string(float_format="{:.3g}".format)
     return text

@@ -22,17 +22,17 @@ def table(rows: Sequence[Row]) -> str:
     """Return a line per run, with its worst status and its number of broken bounds, and a line per check that does not pass."""
     if not rows:
         return "nothing was run"
-    found = pd.DataFrame([{**vars(row), "run": row.run} for row in rows])
-    found["broken"] = found.bound.notna() & ~(found.value.astype(float) <= found.bound.astype(float))
-    found["shown"] = found.value.astype(float) * [1e3 if COLUMNS.get(name, "").endswith("mm") else 1.0 for name in found.metric]
-    runs = found.groupby(["scenario", "seed", "run"], sort=False)
+    data = pd.DataFrame([{**vars(row), "run": row.run} for row in rows])
+    data["broken"] = data.bound.notna() & ~(data.value.astype(float) <= data.bound.astype(float))
+    data["shown"] = data.value.astype(float) * [1e3 if COLUMNS.get(name, "").endswith("mm") else 1.0 for name in data.metric]
+    runs = data.groupby(["scenario", "seed", "run"], sort=False)
     lines = runs.status.agg(lambda states: min(states, key=WORST.index)).to_frame().assign(broken=runs.broken.sum())
-    figures = found[found.metric.isin(COLUMNS)].set_index([*lines.index.names, "metric"]).shown.unstack("metric")
+    figures = data[data.metric.isin(COLUMNS)].set_index([*lines.index.names, "metric"]).shown.unstack("metric")
     figures = figures.reindex(index=lines.index, columns=list(COLUMNS)).rename(columns=COLUMNS)
-    said = [figures.join(lines).to_string(float_format="{:.3g}".format, na_rep="-")]
+    parts = [figures.join(lines).to_string(float_format="{:.3g}".format, na_rep="-")]
     for row in rows:
         if row.status in NAMED:
             value = "" if row.value is None else f" {row.value:.4g}"
             limit = "" if row.limit is None else f" (limit {row.limit:g})"
-            said.append(f"{row.status}: {row.scenario} {row.run} {row.metric}{value}{limit} {row.note}".rstrip())
-    return "\n".join(said)
+            parts.append(f"{row.status}: {row.scenario} {row.run} {row.metric}{value}{limit} {row.note}".rstrip())
+    return "\n".join(parts)

@@ -55,7 +55,7 @@ def tune(options: argparse.Namespace, words: Sequence[str]) -> int:
         raise InvalidInput("--count and --rounds", min(options.count, options.rounds), "1 at least")
     engine = options.tuned
     preset = (options.preset or [TUNED if TUNED in about(engine).presets else about(engine).presets[0]])[0]
-    first = seeds.drawn().seed if options.seed[0] == seeds.OWN else options.seed[0]
+    first = seeds.draw().seed if options.seed[0] == seeds.OWN else options.seed[0]
     scenes = picked(options.filter, first, options.count)
     if not scenes:
         return nothing_matched(options)
@@ -65,12 +65,12 @@ def tune(options: argparse.Namespace, words: Sequence[str]) -> int:
     figures = tried(jobs, [at], options.jobs)
     table = [figures.assign(round=0)]
     for number in range(1, options.rounds + 1):
-        found = tried(jobs, list(neighbours(jobs[0], at.options)), options.jobs)
-        table.append(found.assign(round=number))
-        best = min(found.index, key=lambda k: ranked(found.loc[k], figures.iloc[0]))
-        if ranked(found.loc[best], figures.iloc[0]) >= ranked(figures.iloc[0], figures.iloc[0]):
+        trials = tried(jobs, list(neighbours(jobs[0], at.options)), options.jobs)
+        table.append(trials.assign(round=number))
+        best = min(trials.index, key=lambda k: ranked(trials.loc[k], figures.iloc[0]))
+        if ranked(trials.loc[best], figures.iloc[0]) >= ranked(figures.iloc[0], figures.iloc[0]):
             break
-        at, figures = found.candidate[best], found.loc[[best]]
+        at, figures = trials.candidate[best], trials.loc[[best]]
     shown = pd.concat(table).drop(columns="candidate").set_index(["round", "change"])
     print(shown.to_string(float_format="{:.3g}".format))
     print("best: " + (", ".join(f"{name} = {value}" for name, value in at.options.items()) or "the preset as it is"))
@@ -88,8 +88,8 @@ def neighbours(job: Job, options: Mapping[str, object]) -> Iterator[Candidate]:
     run = engine.settings_as_run()
     engine.close()
     changes: list[tuple[str, Mapping[str, object]]] = []
-    for name, told in run.items():
-        value = told[0] if isinstance(told, tuple) else told
+    for name, entry in run.items():
+        value = entry[0] if isinstance(entry, tuple) else entry
         if isinstance(value, bool):
             changes.append((f"{name} = {not value}", {name: not value}))
         elif isinstance(value, int | float) and value:
@@ -128,11 +128,11 @@ def tried(jobs: Sequence[Job], candidates: Sequence[Candidate], workers: int) ->
     ])
 
 
-def geometric_mean(found: Sequence[Outcome], metric: str, floor: float) -> float:
+def geometric_mean(outcomes: Sequence[Outcome], metric: str, floor: float) -> float:
     """Return the mean over the draws that have the figure; infinite where one of them did not run to its end."""
-    if any(outcome.state != "measured" for outcome in found):
+    if any(outcome.state != "measured" for outcome in outcomes):
         return float("inf")
-    values = [value for outcome in found if not isinstance(value := outcome.values.get(metric), Missing | None)]
+    values = [value for outcome in outcomes if not isinstance(value := outcome.values.get(metric), Missing | None)]
     numbers = np.array([float(value) for value in values])
     # of a figure that no draw has all settings have the same
     numbers = numbers if len(numbers) else np.array([floor])

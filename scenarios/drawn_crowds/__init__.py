@@ -53,13 +53,13 @@ def draw(seed: int) -> Scenario:
 def get(name: str) -> Scenario:
     """Return the crowd called `name`, of any seed. Raises UnknownName where no seed has it."""
     digits = name.rpartition("_")[2]
-    found = draw(int(digits)) if name.startswith(PREFIX) and digits.isdecimal() else None
-    if found is None or found.name != name:
+    scenario = draw(int(digits)) if name.startswith(PREFIX) and digits.isdecimal() else None
+    if scenario is None or scenario.name != name:
         raise UnknownName("drawn crowd", name, (f"{PREFIX}{kind.__name__}_SEED" for kind in KINDS))
-    return found
+    return scenario
 
 
 def scenarios() -> dict[str, Scenario]:
     """Return a crowd of each kind by name, from the commit's own seed on."""
-    first = seeds.drawn().seed
+    first = seeds.draw().seed
     return {crowd.name: crowd for crowd in map(draw, range(first, first + len(KINDS)))}

@@ -71,12 +71,12 @@ def lattice(random: np.random.Generator, radii: Sequence[float], a_layer: int, h
     grid = distance * (np.stack(np.meshgrid(np.arange(side), np.arange(side)), axis=-1).reshape(-1, 2) - 0.5 * (side - 1))
     away = np.linalg.norm(grid, axis=1)
     cells = grid[np.argsort(np.where(away < (nearest if hole else 0.0), np.inf, away), kind="stable")[:a_layer]]
-    found: list[Vector] = []
+    places: list[Vector] = []
     top = LOW
     for first in range(0, len(radii), a_layer):
         layer = radii[first : first + a_layer]
         half = max(layer) + JITTER
         middles = np.insert(random.permutation(cells)[: len(layer)], 2, top + half, axis=1)
-        found += [(x, y, z) for x, y, z in (middles + random.uniform(-JITTER, JITTER, size=middles.shape)).tolist()]
+        places += [(x, y, z) for x, y, z in (middles + random.uniform(-JITTER, JITTER, size=middles.shape)).tolist()]
         top += 2.0 * half
-    return found
+    return places

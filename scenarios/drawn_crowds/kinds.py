@@ -24,7 +24,7 @@ from scenarios.motion.track import to_and_fro
 from scenarios.motion.untracked import untracked
 from scenarios.scenario import RENDERED, Motion
 
-FEWEST, MOST, FRAMES, SHORT = 5, 100, 120, 60
+MIN_BODIES, MAX_BODIES, FRAMES, SHORT = 5, 100, 120, 60
 """Bodies in a crowd; frames of two seconds, and of one."""
 LASTS = FRAMES * RENDERED
 SPAN, WALLS, THICK = 60.0, 0.2, 0.04
@@ -63,7 +63,7 @@ class Drawn:
     pieces: list[Piece] = field(init=False)
 
     def __post_init__(self) -> None:
-        count = int(self.random.integers(FEWEST, MOST + 1))
+        count = int(self.random.integers(MIN_BODIES, MAX_BODIES + 1))
         object.__setattr__(self, "pieces", [drawn_piece(self.random) for _ in range(count)])
 
     @property
@@ -74,14 +74,14 @@ class Drawn:
     def bodies(self, places: list[Vector], drift: float = 0.0, spin: float = 0.0) -> list[Body]:
         """Return the floor, and the bodies at their places, turned, made of and moving as it is drawn."""
         random = self.random
-        found = [slab(SPAN, SPAN, FLOOR)]
+        bodies = [slab(SPAN, SPAN, FLOOR)]
         for k, (piece, place) in enumerate(zip(self.pieces, places, strict=True)):
             mass = of_density(piece, float(random.uniform(*DENSITIES)))
             material = THINGS[random.integers(len(THINGS))]
             (x, y, z), turning = drawn_vector(random, drift), drawn_vector(random, spin)
             velocity = (x, y, -abs(z))
-            found.append(loose(f"thing_{k}", piece, material, mass, place, drawn_turn(random), velocity, turning))
-        return found
+            bodies.append(loose(f"thing_{k}", piece, material, mass, place, drawn_turn(random), velocity, turning))
+        return bodies
 
     def crowd(self, bodies: list[Body], hands: tuple[Avatar, ...] = (), places: Places | None = None, first: int = 0) -> Crowd:
         """Return the scene with hands that are led to `places`; the bodies from the thing number `first` on fall."""
@@ -101,33 +101,33 @@ def towards(azimuth: float) -> np.ndarray:
     return np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
 
 
-def poured(drawn: Drawn) -> Crowd:
+def poured(draw: Drawn) -> Crowd:
     """Pour the bodies onto the floor or, as often, into a tray, over whose walls they may fall."""
-    random = drawn.random
+    random = draw.random
     a_layer = int(random.integers(4, 17))
-    places = lattice(random, drawn.radii, a_layer)
-    bodies = drawn.bodies(places, DRIFT, SPIN)
+    places = lattice(random, draw.radii, a_layer)
+    bodies = draw.bodies(places, DRIFT, SPIN)
     if random.random() < 0.5:
-        half = float(np.abs(np.array(places)[:, :2]).max()) + 0.5 * spacing(drawn.radii)
+        half = float(np.abs(np.array(places)[:, :2]).max()) + 0.5 * spacing(draw.radii)
         bodies += open_box(2.0 * half, WALLS, THICK, FLOOR)[1:]
-    return drawn.crowd(bodies)
+    return draw.crowd(bodies)
 
 
-def struck(drawn: Drawn) -> Crowd:
+def struck(draw: Drawn) -> Crowd:
     """Throw a heavy ball or box at the bodies, which stand close together as they fall."""
-    random = drawn.random
-    places = lattice(random, drawn.radii, math.ceil(len(drawn.pieces) ** (2.0 / 3.0)))
-    bodies = drawn.bodies(places)
+    random = draw.random
+    places = lattice(random, draw.radii, math.ceil(len(draw.pieces) ** (2.0 / 3.0)))
+    bodies = draw.bodies(places)
     size = float(random.uniform(*THROWN))
     heavy = Piece(Sphere(0.5 * size)) if random.random() < 0.5 else drawn_box(random, *THROWN)
-    held = float(np.linalg.norm(np.array(places)[:, :2], axis=1).max()) + max(drawn.radii)
+    held = float(np.linalg.norm(np.array(places)[:, :2], axis=1).max()) + max(draw.radii)
     distance = held + reach(heavy) + float(random.uniform(*FLIES))
     way, speed = towards(random.uniform(0.0, 2.0 * math.pi)), float(random.uniform(*SPEEDS))
     x, y, z = (-distance * way + [0.0, 0.0, reach(heavy) + random.uniform(*FLIES)]).tolist()
     # as fast upwards as it falls on the way to the middle
     vx, vy, vz = (speed * way + [0.0, 0.0, 0.5 * 9.81 * distance / speed]).tolist()
     bodies.append(loose("thrown", heavy, THINGS[0], of_density(heavy, STEEL), (x, y, z), drawn_turn(random), (vx, vy, vz)))
-    return drawn.crowd(bodies)
+    return draw.crowd(bodies)
 
 
 def drawn_hand(random: np.random.Generator) -> tuple[Piece, float]:
@@ -141,13 +141,13 @@ def drawn_hand(random: np.random.Generator) -> tuple[Piece, float]:
     return Piece(Sphere(size)), size
 
 
-def swept(drawn: Drawn) -> Crowd:
+def swept(draw: Drawn) -> Crowd:
     """Lead a rigid hand through the bodies and out on the other side, along straight lines between places drawn among them."""
-    random = drawn.random
-    places = lattice(random, drawn.radii, math.ceil(len(drawn.pieces) / int(random.integers(1, 4))))
-    bodies = drawn.bodies(places)
+    random = draw.random
+    places = lattice(random, draw.radii, math.ceil(len(draw.pieces) / int(random.integers(1, 4))))
+    bodies = draw.bodies(places)
     piece, high = drawn_hand(random)
-    held = float(np.linalg.norm(np.array(places)[:, :2], axis=1).max()) + max(drawn.radii)
+    held = float(np.linalg.norm(np.array(places)[:, :2], axis=1).max()) + max(draw.radii)
     legs = int(random.integers(LEGS[0], LEGS[1] + 1))
     points = [(held + reach(piece) + 0.02) * towards(random.uniform(0.0, 2.0 * math.pi))]
     points += [held * float(random.random()) * towards(random.uniform(0.0, 2.0 * math.pi)) for _ in range(legs - 1)]
@@ -160,13 +160,13 @@ def swept(drawn: Drawn) -> Crowd:
         x, y, z = (corners[k] + share * (corners[k + 1] - corners[k])).tolist()
         return ((x, y, z),)
 
-    return drawn.crowd(bodies, (driven("hand", piece, HAND_MASS, HAND),), at)
+    return draw.crowd(bodies, (driven("hand", piece, HAND_MASS, HAND),), at)
 
 
-def gripped(drawn: Drawn) -> Crowd:
+def gripped(draw: Drawn) -> Crowd:
     """Close two pads on one of the bodies, which lies in a hole amid the others, and rise."""
-    random = drawn.random
-    piece = drawn.pieces[0]
+    random = draw.random
+    piece = draw.pieces[0]
     # a capsule lies across, all others as they are
     turn = turned_by((1.0, 0.0, 0.0), 0.5 * math.pi) if isinstance(piece.shape, Capsule) else rotation.IDENTITY
     left, right, low = (extent(piece.shape, rotation.rotate(rotation.conjugate(np.array(turn)), np.array(d))) for d in (
@@ -176,8 +176,8 @@ def gripped(drawn: Drawn) -> Crowd:
     reached = max(left, right) + opened + PAD[0]
     hole = max(math.hypot(reached, 0.5 * PAD[1]), reach(piece))
     layers = int(random.integers(1, 5))
-    others = lattice(random, drawn.radii[1:], math.ceil((len(drawn.pieces) - 1) / layers), hole)
-    bodies = drawn.bodies([(0.0, 0.0, low + LAID), *others])
+    others = lattice(random, draw.radii[1:], math.ceil((len(draw.pieces) - 1) / layers), hole)
+    bodies = draw.bodies([(0.0, 0.0, low + LAID), *others])
     bodies[1] = replace(bodies[1], orientation=turn)
 
     def at(time: float) -> tuple[Vector, Vector]:
@@ -186,16 +186,16 @@ def gripped(drawn: Drawn) -> Crowd:
         return (right + 0.5 * PAD[0] + gone, 0.0, z), (-left - 0.5 * PAD[0] - gone, 0.0, z)
 
     pads = tuple(driven(name, Box(PAD), HAND_MASS, HAND) for name in ("right", "left"))
-    return drawn.crowd(bodies, pads, at, first=1)
+    return draw.crowd(bodies, pads, at, first=1)
 
 
-def kicked(drawn: Drawn) -> Crowd:
+def kicked(draw: Drawn) -> Crowd:
     """Let a person amid the bodies play a recorded clip."""
-    random = drawn.random
-    places = lattice(random, drawn.radii, math.ceil(len(drawn.pieces) / int(random.integers(1, 4))), ROOM)
+    random = draw.random
+    places = lattice(random, draw.radii, math.ceil(len(draw.pieces) / int(random.integers(1, 4))), ROOM)
     human, clip = humanoid(), load_clip(CLIPS[random.integers(len(CLIPS))])
     person = replace(human, links=tuple(replace(link, material=HAND) for link in human.links))
     start = standing(person, heading=float(random.uniform(0.0, 2.0 * math.pi)))
-    scene = Scene(drawn.name, tuple(drawn.bodies(places)), (person,), drawn_table(random), start=start)
-    falling = tuple(f"thing_{k}" for k in range(len(drawn.pieces)))
+    scene = Scene(draw.name, tuple(draw.bodies(places)), (person,), drawn_table(random), start=start)
+    falling = tuple(f"thing_{k}" for k in range(len(draw.pieces)))
     return Crowd(scene, lambda scene, seed: to_and_fro(clip, scene, FRAMES), falling)

@@ -29,14 +29,14 @@ BAR, WIDE = 0.03, 1.4
 """Thickness of a bar [m], and the angle on either side of the middle through which it swings [rad]."""
 
 
-def moved(drawn: Drawn) -> Crowd:
+def moved(draw: Drawn) -> Crowd:
     """Let a lift, a turntable or a bar in hinges move the bodies, and a hand that is to stand still."""
-    random = drawn.random
+    random = draw.random
     kind, hole = int(random.integers(3)), FIST + float(random.uniform(0.02, 0.1))
     base = 0.0 if kind == 2 else TOP
-    places = lattice(random, drawn.radii, math.ceil(len(drawn.pieces) / int(random.integers(1, 4))), hole)
-    held = float(np.linalg.norm(np.array(places)[:, :2], axis=1).max()) + spacing(drawn.radii)
-    bodies = drawn.bodies([(x, y, z + base) for x, y, z in places])
+    places = lattice(random, draw.radii, math.ceil(len(draw.pieces) / int(random.integers(1, 4))), hole)
+    held = float(np.linalg.norm(np.array(places)[:, :2], axis=1).max()) + spacing(draw.radii)
+    bodies = draw.bodies([(x, y, z + base) for x, y, z in places])
     force = float(np.exp(random.uniform(*np.log(FORCES))))
     scenery, poses = swings(random, held, force) if kind == 2 else carries(random, held, force, kind == 1)
     avatars = scenery, driven("hand", Sphere(FIST), HAND_MASS, HAND)
@@ -44,8 +44,8 @@ def moved(drawn: Drawn) -> Crowd:
     start.positions[1] = 0.0, 0.0, base + FIST + ABOVE
     if kind == 2:
         start.angles[0] = WIDE
-    scene = Scene(drawn.name, tuple(bodies), avatars, drawn_table(random), start=start)
-    return Crowd(scene, given(poses), tuple(f"thing_{k}" for k in range(len(drawn.pieces))) if kind == 2 else ())
+    scene = Scene(draw.name, tuple(bodies), avatars, drawn_table(random), start=start)
+    return Crowd(scene, given(poses), tuple(f"thing_{k}" for k in range(len(draw.pieces))) if kind == 2 else ())
 
 
 def carries(random: np.random.Generator, held: float, force: float, turns: bool) -> tuple[Avatar, Poses]:
@@ -68,11 +68,11 @@ def carries(random: np.random.Generator, held: float, force: float, turns: bool)
 
 def swings(random: np.random.Generator, held: float, force: float) -> tuple[Avatar, Poses]:
     """Return a bar in hinges next to the bodies that sweeps over the floor through them, from one side to the other and back."""
-    high, beside = float(random.uniform(0.05, 0.2)), 1.2 * held + BAR
-    length = beside + held
+    high, offset = float(random.uniform(0.05, 0.2)), 1.2 * held + BAR
+    length = offset + held
     bar = Piece(Box((length, BAR, high)), (0.5 * length, 0.0, ABOVE + 0.5 * high))
     joint = Hinges((Hinge((0.0, 0.0, 1.0), -math.pi, math.pi),))
-    swung = moving("bar", (bar,), FLOOR, position=(-beside, 0.0, 0.0), largest_force=force, joint=joint)
+    swung = moving("bar", (bar,), FLOOR, position=(-offset, 0.0, 0.0), largest_force=force, joint=joint)
 
     def angle(time: float) -> dict[str, Pose]:
         share = eased(time, 0.1, 0.6 * LASTS) - eased(time, 0.7 * LASTS, LASTS)

@@ -38,21 +38,21 @@ class Measured:
 @cache
 def measures() -> tuple[tuple[Callable[..., Values], tuple[str, ...]], ...]:
     """Return every function of the modules of this package that carries the mark `measure`, with the names of its parameters."""
-    found: list[Callable[..., Values]] = []
+    functions: list[Callable[..., Values]] = []
     for module in sorted(walk_packages(package.__path__, f"{package.__name__}."), key=lambda info: info.name):
         if not module.ispkg:
             exports = vars(import_module(module.name)).values()
-            found += [one for one in exports if getattr(one, "measures", False) and one.__module__ == module.name]
-    return tuple((one, tuple(signature(one).parameters)) for one in found)
+            functions += [one for one in exports if getattr(one, "measures", False) and one.__module__ == module.name]
+    return tuple((one, tuple(signature(one).parameters)) for one in functions)
 
 
 def marked(recording: Recording, scenario: Scenario, scene: Scene) -> dict[str, Value]:
     """Return the values of every marked function."""
     given = {"recording": recording, "scenario": scenario, "scene": scene}
-    found: dict[str, Value] = {}
+    values: dict[str, Value] = {}
     for function, names in measures():
-        found |= function(**{name: given[name] for name in names})
-    return found
+        values |= function(**{name: given[name] for name in names})
+    return values
 
 
 def measured(recording: Recording, known: Known, most_inside: int | None = INSIDE_JUDGED) -> Measured:

@@ -27,11 +27,11 @@ def for_each(key: str, kind: type[Kind]) -> Callable[[Of[Kind]], Measure]:
 
     def made(function: Of[Kind]) -> Measure:
         def over_all(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
-            found: dict[str, list[Value]] = {}
+            by_metric: dict[str, list[Value]] = {}
             for entry in expected(scenario, key, kind):
                 for metric, value in function(recording, scene, entry).items():
-                    found.setdefault(metric, []).append(value)
-            return {metric: worst(values) for metric, values in found.items()}
+                    by_metric.setdefault(metric, []).append(value)
+            return {metric: worst(values) for metric, values in by_metric.items()}
 
         update_wrapper(over_all, function)
         # its parameters are its own, by which it is called

@@ -14,14 +14,14 @@ TOTALS = ("waiting", "planning", "following", "out_of_work")
 @measure
 def work(recording: Recording) -> Values:
     """<name>_per_frame: mean over the frames advanced; those of TOTALS: number in all."""
-    found: dict[str, float] = {}
+    totals: dict[str, float] = {}
     for name, numbers in recording.counts.items():
         done = numbers[1:]
         if name in TOTALS:
-            found[name] = float(done.sum())
+            totals[name] = float(done.sum())
         elif len(done):
-            found[f"{name}_per_frame"] = float(done.mean())
-    return found
+            totals[f"{name}_per_frame"] = float(done.mean())
+    return totals
 
 
 MOVES = 0.01

@@ -46,10 +46,10 @@ class Known:
         shown has a gap of at most NEAR to a body that it may not overlap. From poses alone, so the same for all engines."""
         contact = ~self.free(recording)
         # where the target already decides, the judge is not needed
-        asked = ~contact
-        if self.scene.links and asked.any():
-            gaps = self.judge.link_gaps(recording.positions[asked], recording.orientations[asked], NEAR)
-            contact[asked] = ~(gaps > NEAR)
+        unknown = ~contact
+        if self.scene.links and unknown.any():
+            gaps = self.judge.link_gaps(recording.positions[unknown], recording.orientations[unknown], NEAR)
+            contact[unknown] = ~(gaps > NEAR)
         return contact
 
 

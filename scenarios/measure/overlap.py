@@ -37,5 +37,5 @@ def substep_overlap(recording: Recording, deepest: Deepest, most: int | None = I
     if total == 0:
         return Missing("the engine gave no sub-steps", "scene"), ""
     stride = 1 if most is None else max(1, math.ceil(total / most))
-    found = deepest(recording.inside_positions[::stride], recording.inside_orientations[::stride])
-    return found, (f"every {stride}th of {total} sub-steps judged" if stride > 1 else "")
+    depth = deepest(recording.inside_positions[::stride], recording.inside_orientations[::stride])
+    return depth, (f"every {stride}th of {total} sub-steps judged" if stride > 1 else "")

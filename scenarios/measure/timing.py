@@ -102,41 +102,41 @@ def frame_times(timed: Timed, recorded: tuple[str, ...] = (), resting: Sequence[
     """
     raw = timed.of_compared(timed.engine_ns) / 1e3
     best, around = timed.compared_us, timed.of_compared(timed.around_ns).min(axis=0) / 1e3
-    found: dict[str, Value] = {}
+    values: dict[str, Value] = {}
     for share in (50, 95):
-        found[f"frame_time_p{share}"] = float(np.percentile(best, share))
-        found[f"frame_time_raw_p{share}"] = float(np.percentile(raw, share))
-    found |= _tail(timed)
-    found[SLOWEST] = float(timed.engine_ns.max() / 1e3)
-    found["frame_time_python_p50"] = float(np.percentile(around, 50))
+        values[f"frame_time_p{share}"] = float(np.percentile(best, share))
+        values[f"frame_time_raw_p{share}"] = float(np.percentile(raw, share))
+    values |= _tail(timed)
+    values[SLOWEST] = float(timed.engine_ns.max() / 1e3)
+    values["frame_time_python_p50"] = float(np.percentile(around, 50))
     if len(rests := _rests(timed, resting)):
-        found["resting_frames"] = 100.0 * float(rests.mean())
+        values["resting_frames"] = 100.0 * float(rests.mean())
     for name, kind in _phases(timed, resting).items():
-        found[name] = float(np.percentile(best[kind], 50))
+        values[name] = float(np.percentile(best[kind], 50))
     if not math.isnan(timed.warmup):
-        found["warmup"] = timed.warmup
+        values["warmup"] = timed.warmup
     total = float(timed.engine_ns.sum())
     for name, spent in timed.stage_ns.items():
         if name == ADAPTER:
             continue
-        found[f"stage_share_{name}"] = 100.0 * float(spent.sum()) / total if total > 0.0 else 0.0
+        values[f"stage_share_{name}"] = 100.0 * float(spent.sum()) / total if total > 0.0 else 0.0
     if timed.hashes:
         last = timed.first + timed.around_ns.shape[1]
         elsewhere = recorded[last : last + 1]
-        found["deterministic"] = float(len({*timed.hashes, *elsewhere}) == 1)
-    return found
+        values["deterministic"] = float(len({*timed.hashes, *elsewhere}) == 1)
+    return values
 
 
 def _tail(timed: Timed) -> dict[str, Value]:
     if not timed.protocol.has_tail:
         return dict.fromkeys(TAIL, Missing(timed.protocol.no_tail, "scene"))
-    found: dict[str, Value] = {}
+    values: dict[str, Value] = {}
     whole, compared = (timed.best_us, timed.engine_ns / 1e3), (timed.compared_us, timed.of_compared(timed.engine_ns) / 1e3)
     for name, times, few in zip(TAIL, whole, compared, strict=True):
         figure = float(np.percentile(times, 99))
         dearer = f"over {timed.protocol.said}, those of the 95th percentile being dearer: {timed.compared.said}"
-        found[name] = Missing(dearer, "scene") if figure < np.percentile(few, 95) else figure
-    return found
+        values[name] = Missing(dearer, "scene") if figure < np.percentile(few, 95) else figure
+    return values
 
 
 def _phases(timed: Timed, resting: Sequence[bool]) -> dict[str, NDArray[np.bool_]]:

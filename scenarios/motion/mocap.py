@@ -93,13 +93,13 @@ def upper_body_of(above: Clip, start: float, below: Clip) -> Clip:
     Raises InvalidInput when `above` ends before `below` does.
     """
     first = int(np.searchsorted(above.times, start - 1e-9))
-    taken = slice(first, first + len(below.times))
-    if len(above.times[taken]) < len(below.times):
+    span = slice(first, first + len(below.times))
+    if len(above.times[span]) < len(below.times):
         latest = above.times[-1] - below.times[-1]
         raise InvalidInput(f"start of clip {above.name} over clip {below.name} [s]", start, f"at most {latest:g}")
     return replace(
         below,
         name=f"{below.name} under {above.name}",
-        rotations={link: (above.rotations[link][taken] if link in UPPER else kept) for link, kept in below.rotations.items()},
-        angles={link: (above.angles[link][taken] if link in UPPER else kept) for link, kept in below.angles.items()},
+        rotations={link: (above.rotations[link][span] if link in UPPER else own) for link, own in below.rotations.items()},
+        angles={link: (above.angles[link][span] if link in UPPER else own) for link, own in below.angles.items()},
     )

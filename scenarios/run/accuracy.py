@@ -173,7 +173,7 @@ def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
         "base": job.base, "options": repr(sorted(job.options.items())), "judged": judging,
     }
     write_scene(scene, folder, scenario.name)
-    if path.exists() and (earlier := kept(path, identity | {"version": _version(job.engine)})) is not None:
+    if path.exists() and (earlier := stored_recording(path, identity | {"version": _version(job.engine)})) is not None:
         return outcome_of(job, earlier, prepared, path)
     shown = show(job, prepared, folder=folder)
     frames, about = shown.frames, shown.about
@@ -184,25 +184,25 @@ def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
     if shown.state != "measured":
         return Outcome(job, shown.state, shown.note, about=about)
     recording = gathered(job, scenario, scene, prepared.states, frames, {**about, **identity}, prepared.raw)
-    found = measured(recording, prepared.known, judging)
-    overlapping.write(found.overlapping, folder, path.stem)
+    figures = measured(recording, prepared.known, judging)
+    overlapping.write(figures.overlapping, folder, path.stem)
     thin = thinned(recording, scenario, scene.whole)
-    thin = replace(thin, meta={**thin.meta, **figures_meta(found.values, found.notes)}, overlap=found.overlap)
+    thin = replace(thin, meta={**thin.meta, **figures_meta(figures.values, figures.notes)}, overlap=figures.overlap)
     record.save(thin, path, folder / record.MOTIONS)
     return outcome_of(job, thin, prepared, path)
 
 
-def kept(path: Path, identity: Mapping[str, object]) -> Recording | None:
+def stored_recording(path: Path, identity: Mapping[str, object]) -> Recording | None:
     """Return the recording of an earlier run: whole, without error, of the same scene, code and measures; None if not."""
     if not overlapping.path(path.parent.parent, path.stem).exists():
         return None
     try:
-        found = record.load(path)
-        figures(found)
+        recording = record.load(path)
+        figures(recording)
     except InvalidFile:
         return None
-    same = all(found.meta.get(name) == value for name, value in identity.items())
-    return found if same and "error" not in found.meta else None
+    same = all(recording.meta.get(name) == value for name, value in identity.items())
+    return recording if same and "error" not in recording.meta else None
 
 
 def outcome_of(job: Job, recording: Recording, prepared: Prepared, path: Path) -> Outcome:
@@ -263,13 +263,13 @@ def gathered(
 
 def _stacked(snapshots: list[Snapshot], n: int, prefix: str = "") -> dict[str, Any]:
     """Return poses and velocities of S snapshots, (S, n, 3) or (S, n, 4); signs of orientations do not change along rows."""
-    found = {
+    arrays = {
         prefix + name: np.array([getattr(one, name) for one in snapshots], dtype=np.float64).reshape(len(snapshots), n, width)
         for name, width in (("positions", 3), ("orientations", 4), ("velocities", 3), ("angular_velocities", 3))
     }
     # an engine may show poses that are not finite
     with np.errstate(over="ignore", invalid="ignore"):
-        return found | {prefix + "orientations": rotation.continuous(found[prefix + "orientations"])}
+        return arrays | {prefix + "orientations": rotation.continuous(arrays[prefix + "orientations"])}
 
 
 def _by_name(per_frame: list[Mapping[str, int]]) -> dict[str, NDArray[np.int64]]:

@@ -44,14 +44,14 @@ def ceilings(path: Path = CEILINGS) -> Ceilings:
     """Return scene -> metric -> limit of the waiver; none without the file. Raises InvalidFile."""
     if not path.exists():
         return {}
-    found: dict[str, dict[str, float]] = {}
+    limits: dict[str, dict[str, float]] = {}
     for scene, entries in read_toml(path, str(path), "TOML: a table per scene, metric = number", MOST_BYTES).items():
         for metric, limit in entries.items() if isinstance(entries, dict) else [(scene, entries)]:
             if not isinstance(entries, dict) or not isinstance(limit, int | float) or not math.isfinite(limit):
                 raise InvalidFile(f"[{scene}] {metric} in {path}", limit, "a table of metric = finite number")
             unit(metric)
-            found.setdefault(scene, {})[metric] = limit
-    return found
+            limits.setdefault(scene, {})[metric] = limit
+    return limits
 
 
 def bounds_of(scenario: Scenario) -> dict[str, Bound]:
@@ -130,10 +130,10 @@ def meaning(code: int, rows: Iterable[Row], gated: frozenset[tuple[str, str]]) -
     tested = [row for row in rows if (row.engine, row.preset) in gated and (row.bound is not None or row.status == "refused")]
     if code == PASSED and not tested:
         return "nothing was gated"
-    found = Counter(row.status for row in tested)
-    total = found["pass"] + found["waived"] + found["fail"]
+    counts = Counter(row.status for row in tested)
+    total = counts["pass"] + counts["waived"] + counts["fail"]
     if code not in (PASSED, FAILED) or not total:
         return MEANINGS[code]
-    others = "".join(f", {found[status]:,} {status}" for status in ("waived", "fail") if found[status])
-    counted = f"{found['pass']:,} of {total:,} {'check passes' if total == 1 else 'checks pass'}{others}"
+    others = "".join(f", {counts[status]:,} {status}" for status in ("waived", "fail") if counts[status])
+    counted = f"{counts['pass']:,} of {total:,} {'check passes' if total == 1 else 'checks pass'}{others}"
     return counted if code == PASSED else f"{MEANINGS[code]}: {counted}"

@@ -65,10 +65,10 @@ def offers(names: Sequence[str], workers: int) -> dict[str, Offer]:
     for name in names:
         # a malformed file of facts ends a command before anything has run
         about(name)
-    found = {}
+    by_name = {}
     for name, answer in side_by_side(offer, names, workers):
-        found[name] = Offer(trouble=str(answer), crashed=True) if isinstance(answer, Died) else answer
-    return {name: found[name] for name in names}
+        by_name[name] = Offer(trouble=str(answer), crashed=True) if isinstance(answer, Died) else answer
+    return {name: by_name[name] for name in names}
 
 
 def outcomes(jobs: Sequence[Job], folder: Path, workers: Workers) -> Iterator[Outcome]:
@@ -137,8 +137,8 @@ class Run:
             for scene, seed in ((scene, seed) for scene in names for seed in seeds):
                 chosen = [job for job in timed if (job.scenario, job.seed) == (scene, seed)]
                 rounds = [at_most(self.outcomes[job.stem].frame_seconds) for job in chosen]
-                found = timed_pass(chosen, full, rounds, meter=meter) if at_length else self._quickly(chosen, workers, meter)
-                for clocked in compared(found):
+                results = timed_pass(chosen, full, rounds, meter=meter) if at_length else self._quickly(chosen, workers, meter)
+                for clocked in compared(results):
                     self.clocked[clocked.job.stem] = clocked
                     progress.step(f"{scene} {clocked.job.run}")
                 spent = round(time.monotonic() - begun, 1)
@@ -165,13 +165,13 @@ class Run:
 
     def rows(self) -> list[Row]:
         """Return all rows so far, in the order of the plan; a job is judged again only when it has been timed since."""
-        found: list[Row] = []
+        rows: list[Row] = []
         for job, outcome in self._known():
             clocked, judged = self.clocked.get(job.stem), self.judged.get(job.stem)
             if judged is None or judged[0] is not outcome or judged[1] is not clocked:
                 judged = self.judged[job.stem] = outcome, clocked, self._rows_of(job, outcome, clocked)
-            found += judged[2]
-        return found
+            rows += judged[2]
+        return rows
 
     def _rows_of(self, job: Job, outcome: Outcome, clocked: Clocked | None) -> list[Row]:
         scenario = self.scenarios[job.scenario]
@@ -194,17 +194,17 @@ class Run:
 
     def series(self) -> dict[str, dict[str, dict[str, Sequence[float | None]]]]:
         """Return numbers per frame: overlap [m] of every state, time [us] of every frame that all engines of the scene had."""
-        found: dict[str, dict[str, dict[str, Sequence[float | None]]]] = {}
+        series: dict[str, dict[str, dict[str, Sequence[float | None]]]] = {}
         for job, outcome in self._known():
-            if outcome.state != "measured" or job.run in found.get(job.scenario, {}):
+            if outcome.state != "measured" or job.run in series.get(job.scenario, {}):
                 # with several seeds the pages show the first
                 continue
             clocked = self.clocked.get(job.stem)
             times: list[float | None] = []
             if clocked and clocked.timed:
                 times = [None] * clocked.timed.compared.first + clocked.timed.compared_us.tolist()
-            found.setdefault(job.scenario, {})[job.run] = {"overlap_m": outcome.overlap_m, "frame_time_us": times}
-        return found
+            series.setdefault(job.scenario, {})[job.run] = {"overlap_m": outcome.overlap_m, "frame_time_us": times}
+        return series
 
     def _save(self) -> None:
         """Write the results so far, unless that was done a moment ago."""

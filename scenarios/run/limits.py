@@ -30,28 +30,28 @@ def limit_of(name: str, text: str) -> float:
 
     A length or a time needs its unit: tables show millimetres, and "1" would be a metre."""
     sizes = SIZES.get(unit(name), {unit(name): 1.0})
-    found = NUMBER.fullmatch(text)
+    match = NUMBER.fullmatch(text)
     units = ", ".join(filter(None, sizes)) or "none"
-    if found is None or (found[2] and found[2] not in sizes):
+    if match is None or (match[2] and match[2] not in sizes):
         raise InvalidInput(f"limit of {name}", text, f"a number, in {unit(name) or 'no unit'} or with one of the units {units}")
-    if not found[2] and len(set(sizes.values())) > 1 and float(found[1]) != 0.0:
+    if not match[2] and len(set(sizes.values())) > 1 and float(match[1]) != 0.0:
         raise InvalidInput(f"limit of {name}", text, f"a number with its unit, one of {units}")
-    return float(found[1]) * sizes.get(found[2], 1.0)
+    return float(match[1]) * sizes.get(match[2], 1.0)
 
 
 def limits_of(overlap: str | None, others: Sequence[str]) -> dict[str, float]:
     """Return metric -> limit of the options --max-overlap and --max. Raises UnknownName, InvalidInput."""
-    found = {} if overlap is None else {OVERLAP: limit_of(OVERLAP, overlap)}
+    limits = {} if overlap is None else {OVERLAP: limit_of(OVERLAP, overlap)}
     for text in others:
         name, equals, value = text.partition("=")
         if not equals:
             raise InvalidInput("--max", text, "METRIC=VALUE, such as residual_overlap_max=1mm")
         name = ALIASES.get(name, name)
         try:
-            found[name] = limit_of(name, value)
+            limits[name] = limit_of(name, value)
         except UnknownName as error:
             raise UnknownName("metric of --max, of those that --metrics lists,", name, METRICS) from error
-    return found
+    return limits
 
 
 def with_limits(scenario: Scenario, limits: Mapping[str, float]) -> Scenario:
@@ -64,13 +64,13 @@ def checks_of(
     rows: Iterable[Row], scenarios: Mapping[str, Scenario], gates: Sequence[str], limits: Mapping[str, float],
 ) -> list[Row]:
     """Return the rows of the gated runs that are checked: of their limits, and one for a run without figures."""
-    found = []
+    checks = []
     for row in rows:
         checked = {*limits, FINITE} if limits else set(bounds_of(scenarios[row.scenario]))
         if row.run in gates and (row.metric == "run" or row.metric in checked):
             refuses = row.status in ("refused", "cannot-say")
-            found.append(replace(row, status="not-measured", note=f"refuses the scene: {row.note}") if refuses else row)
-    return found
+            checks.append(replace(row, status="not-measured", note=f"refuses the scene: {row.note}") if refuses else row)
+    return checks
 
 
 def gates_of(gates: Sequence[str], engines: Sequence[str], limits: Mapping[str, float]) -> list[str]:

@@ -29,23 +29,23 @@ def load_average() -> list[float] | None:
 
 def clock(cpuinfo: Path = CPUINFO, fastest: Path = FASTEST) -> dict[str, int | None]:
     """Return the clock of the fastest processor now, and the highest possible [MHz]; None where the system does not know."""
-    found: dict[str, int | None] = {"mhz": None, "mhz_max": None}
+    rates: dict[str, int | None] = {"mhz": None, "mhz_max": None}
     with suppress(OSError, ValueError, IndexError):
         lines = cpuinfo.read_text(encoding="utf-8", errors="replace").splitlines()
         clocks = [round(float(line.split(":", 1)[1])) for line in lines if line.lower().startswith("cpu mhz")]
-        found["mhz"] = max(clocks, default=None)
+        rates["mhz"] = max(clocks, default=None)
     with suppress(OSError, ValueError):
-        found["mhz_max"] = round(int(fastest.read_text(encoding="utf-8")) / 1e3)
-    return found
+        rates["mhz_max"] = round(int(fastest.read_text(encoding="utf-8")) / 1e3)
+    return rates
 
 
 def reading_ns(readings: int = 2001) -> int:
     """Return the median time [ns] between two readings of the clock: so much of every time is the clock's own."""
-    found = []
+    intervals = []
     for _ in range(readings):
         begun = time.perf_counter_ns()
-        found.append(time.perf_counter_ns() - begun)
-    return sorted(found)[readings // 2]
+        intervals.append(time.perf_counter_ns() - begun)
+    return sorted(intervals)[readings // 2]
 
 
 def busy_seconds(stat: Path = STAT) -> float:

@@ -34,13 +34,13 @@ class OwnSettings:
     options: Mapping[str, object]
 
 
-def read(path: Path, engines: Iterable[str], asked: Sequence[str] | None = None) -> tuple[OwnSettings, ...]:
+def read(path: Path, engines: Iterable[str], selected: Sequence[str] | None = None) -> tuple[OwnSettings, ...]:
     """Read a TOML file with a table [engine.name] per row: `preset` is the base ("default"), all else are options.
 
     Raises:
         InvalidFile: for a malformed file.
         UnknownName: for an engine that is none of `engines`.
-        InvalidInput: for an engine that is not among `asked` (None: all are).
+        InvalidInput: for an engine that is not among `selected` (None: all are).
     """
     known = list(engines)
     content = read_toml(path, str(path), "a readable TOML file", MOST_BYTES)
@@ -48,8 +48,8 @@ def read(path: Path, engines: Iterable[str], asked: Sequence[str] | None = None)
     for engine, tables in content.items():
         if engine not in known:
             raise UnknownName(f"engine in {path}", engine, known)
-        if asked is not None and engine not in asked:
-            valid = f"one of the engines of this command: {', '.join(asked)} (--engine names others)"
+        if selected is not None and engine not in selected:
+            valid = f"one of the engines of this command: {', '.join(selected)} (--engine names others)"
             raise InvalidInput(f"engine of a table in {path}", engine, valid)
         if not isinstance(tables, dict) or not tables or not all(isinstance(entry, dict) for entry in tables.values()):
             raise InvalidFile(f"[{engine}] in {path}", tables, f"tables [{engine}.name] with settings in them")
@@ -79,7 +79,7 @@ def check_settings(rows: Iterable[OwnSettings], scene: str, path: Path, workers:
     """Load a scene once with each row of the file at `path`. Raises InvalidInput for the first row that an engine refuses."""
     jobs = [Job(scene, row.engine, row.name, base=row.base, options=row.options, frames=1) for row in rows]
     # in the order of the file, whichever answers first
-    for job, found in sorted(side_by_side(_invalid, jobs, workers), key=lambda answer: jobs.index(answer[0])):
-        if found is not None and not isinstance(found, Died):
-            thing, value, valid = found
+    for job, fault in sorted(side_by_side(_invalid, jobs, workers), key=lambda answer: jobs.index(answer[0])):
+        if fault is not None and not isinstance(fault, Died):
+            thing, value, valid = fault
             raise InvalidInput(f"in [{job.engine}.{job.preset}] of {path}: {thing}", value, valid)

@@ -107,10 +107,10 @@ def earlier_run(folder: Path, command: str) -> Path:
     # os.path, since pathlib raises for names that are too long for the system
     if not os.path.isdir(folder):
         raise InvalidInput("--resume", str(folder), "the folder of an earlier run")
-    found = _results(folder)
-    if found.get("schema_version") != SCHEMA_VERSION:
-        raise InvalidFile(f"schema_version of {folder}", found.get("schema_version"), f"{SCHEMA_VERSION}; run again")
-    origin = found.get("provenance")
+    results = _results(folder)
+    if results.get("schema_version") != SCHEMA_VERSION:
+        raise InvalidFile(f"schema_version of {folder}", results.get("schema_version"), f"{SCHEMA_VERSION}; run again")
+    origin = results.get("provenance")
     words = str(origin.get("command", "")).split() if isinstance(origin, dict) else []
     # python -m scenarios COMMAND ...
     wrote = words[3] if words[:3] == ["python", "-m", "scenarios"] and len(words) > 3 else None
@@ -125,8 +125,8 @@ def has_ended(folder: Path) -> bool:
 
 
 def _results(folder: Path) -> Mapping[str, object]:
-    found = read_json(folder / "results.json", f"results.json of {folder}", "the whole file of a run", MOST_BYTES)
-    return found if isinstance(found, dict) else {}
+    results = read_json(folder / "results.json", f"results.json of {folder}", "the whole file of a run", MOST_BYTES)
+    return results if isinstance(results, dict) else {}
 
 
 def _described(job: Job) -> Mapping[str, object]:
@@ -143,25 +143,25 @@ def write_plan(folder: Path, words: Sequence[str], jobs: Sequence[Job]) -> None:
 def check_plan(folder: Path, jobs: Sequence[Job]) -> None:
     """Raise InvalidInput where the plan of the run in `folder` has a job that is not among `jobs`: its rows would be lost."""
     path = folder / PLAN
-    found = read_json(path, f"plan {path}", VALID_PLAN, MOST_BYTES)
-    if not isinstance(found, dict) or found.get("schema_version") != PLAN_VERSION or not isinstance(found.get("words"), list):
+    stored = read_json(path, f"plan {path}", VALID_PLAN, MOST_BYTES)
+    if not isinstance(stored, dict) or stored.get("schema_version") != PLAN_VERSION or not isinstance(stored.get("words"), list):
         raise InvalidFile(f"plan {path}", "of another layout", VALID_PLAN)
-    runs = found.get("runs")
+    runs = stored.get("runs")
     if not isinstance(runs, list) or not all(isinstance(run, dict) for run in runs):
         raise InvalidFile(f"runs of plan {path}", "no list of objects", VALID_PLAN)
-    asked = [_described(job) for job in jobs]
-    if left := [run for run in runs if run not in asked]:
+    planned = [_described(job) for job in jobs]
+    if left := [run for run in runs if run not in planned]:
         first = ", ".join(f"{name} {value}" for name, value in left[0].items() if value)
-        again = resume_command(folder, [str(word) for word in found["words"]])
+        again = resume_command(folder, [str(word) for word in stored["words"]])
         valid = f"a run whose jobs this command has; {len(left)} are missing, first {first}. `{again}` resumes it"
         raise InvalidInput("--resume", str(folder), valid)
 
 
 def resume_command(folder: Path, words: Sequence[str]) -> str:
     """Return the command line that resumes the run in `folder`, begun with `words`, quoted for a shell."""
-    kept, skip = list[str](), False
+    remaining, skip = list[str](), False
     for word in words:
         if not skip and word != "--resume" and not word.startswith("--resume="):
-            kept.append(word)
+            remaining.append(word)
         skip = not skip and word == "--resume"
-    return shlex.join(["python", "-m", "scenarios", *kept, "--resume", str(folder)])
+    return shlex.join(["python", "-m", "scenarios", *remaining, "--resume", str(folder)])

@@ -81,8 +81,8 @@ def _piece(piece: Piece) -> dict[str, object]:
 
 def figures_meta(values: Mapping[str, Value], notes: Mapping[str, str]) -> dict[str, object]:
     """Return figures and notes for the meta of a recording."""
-    found = {name: [one.reason, one.fault] if isinstance(one, Missing) else float(one) for name, one in values.items()}
-    return {FIGURES: found, NOTES: dict(notes)}
+    figures = {name: [one.reason, one.fault] if isinstance(one, Missing) else float(one) for name, one in values.items()}
+    return {FIGURES: figures, NOTES: dict(notes)}
 
 
 def figures(recording: Recording) -> tuple[dict[str, Value], dict[str, str]]:
@@ -157,10 +157,10 @@ def checked_recording(recording: Recording, path: Path) -> Recording:
     of_tracker = ("times", "raw_positions", "raw_orientations", "raw_angles")
     valid = {"positions": (bodies,), "raw_positions": (links,), "raw_angles": (hinges,), "angles": (0, hinges)}
     for name in (*valid, *of_tracker):
-        found = getattr(recording, name)
-        if name in valid and found.shape[1] not in valid[name]:
-            raise InvalidFile(f"width of {name} in recording {path}", found.shape[1], f"{valid[name][-1]}, as in the scene")
-        if name in of_tracker and not np.isfinite(found).all():
+        array = getattr(recording, name)
+        if name in valid and array.shape[1] not in valid[name]:
+            raise InvalidFile(f"width of {name} in recording {path}", array.shape[1], f"{valid[name][-1]}, as in the scene")
+        if name in of_tracker and not np.isfinite(array).all():
             raise InvalidFile(f"{name} in recording {path}", "not all finite", "finite numbers")
     dt = recording.meta.get("dt")
     if recording.frames < 1 or not isinstance(dt, int | float) or not 0.0 < dt < math.inf:

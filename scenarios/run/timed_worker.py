@@ -73,8 +73,8 @@ def _serve(connection: Connection) -> None:
             if connection.recv() is None:
                 return
             begun = time.perf_counter()
-            found = loaded.run()
-            connection.send((time.perf_counter() - begun, found))
+            answer = loaded.run()
+            connection.send((time.perf_counter() - begun, answer))
     except (EOFError, ConnectionError):
         # the parent has gone
         return
@@ -108,19 +108,19 @@ class TimedWorker:
         """Return the time [s] of the last order, and a repeat once frames have run; or the reason that it will never answer."""
         try:
             if self.end.poll(self.timeout):
-                spent, found = self.end.recv()
-                if not isinstance(found, str):
-                    return spent, found
+                spent, answer = self.end.recv()
+                if not isinstance(answer, str):
+                    return spent, answer
             else:
                 self.child.kill()
-                found = f"no answer within {self.timeout:g} s"
+                answer = f"no answer within {self.timeout:g} s"
         except (EOFError, ConnectionError):
             self.child.join(EXIT_TIMEOUT)
             self.child.kill()
             self.child.join()
-            found = f"its process {ended_by(self.child.exitcode or 0)}"
+            answer = f"its process {ended_by(self.child.exitcode or 0)}"
         self.gone = True
-        return found
+        return answer
 
     def close(self, at_once: bool = False) -> None:
         """End the process, in the middle of its work if `at_once`."""

@@ -74,12 +74,12 @@ class TimedJob:
 
     def answer(self) -> Repeat | None:
         """Wait for the worker. None where it has loaded, or has ended, which is noted."""
-        found = self.worker.answer()
-        if isinstance(found, str):
-            self.note = found
+        answer = self.worker.answer()
+        if isinstance(answer, str):
+            self.note = answer
             return None
-        self.spent += found[0]
-        return found[1]
+        self.spent += answer[0]
+        return answer[1]
 
     @property
     def led_in(self) -> bool:
@@ -88,8 +88,8 @@ class TimedJob:
 
     def warmed(self, fresh: bool) -> None:
         """Take the answer to the warm-up, whose time is a figure of a fresh process and none of the repeats."""
-        if not self.note and (found := self.answer()):
-            self.warm_frames = len(found[0])
+        if not self.note and (answer := self.answer()):
+            self.warm_frames = len(answer[0])
         if fresh:
             self.warmup = self.spent
         self.spent = 0.0
@@ -98,9 +98,9 @@ class TimedJob:
         """Run the loaded frames, while no other engine runs."""
         with meter.running():
             self.worker.start()
-            found = self.answer()
-        if found:
-            self.repeats.append(found)
+            repeat = self.answer()
+        if repeat:
+            self.repeats.append(repeat)
 
     def clocked(self) -> Clocked:
         """Return all repeats."""
@@ -229,12 +229,12 @@ def timing_facts(meter: Meter) -> dict[str, object]:
     }
 
 
-def compared(found: Sequence[Clocked]) -> list[Clocked]:
+def compared(clocked: Sequence[Clocked]) -> list[Clocked]:
     """Return the engines of one scene with the repeats and frames that all of them had, by which they are compared."""
-    every = [clocked.timed for clocked in found if clocked.timed is not None]
+    every = [clocked.timed for clocked in clocked if clocked.timed is not None]
     if not every:
-        return list(found)
+        return list(clocked)
     repeats = min(timed.around_ns.shape[0] for timed in every)
     first, last = max(timed.first for timed in every), min(timed.first + timed.around_ns.shape[1] for timed in every)
     shared = Round(repeats, first, max(0, last - first))
-    return [each if each.timed is None else replace(each, timed=replace(each.timed, shared=shared)) for each in found]
+    return [each if each.timed is None else replace(each, timed=replace(each.timed, shared=shared)) for each in clocked]

@@ -21,8 +21,8 @@ Entry = Mapping[str, Any]
 
 def key_of(*parts: object) -> str:
     """Return sixteen hexadecimal digits of all that decides an answer: dataclasses, texts and numbers."""
-    told = [asdict(part) if is_dataclass(part) and not isinstance(part, type) else part for part in parts]
-    return _digest(json.dumps(plain(told), sort_keys=True))
+    plain_parts = [asdict(part) if is_dataclass(part) and not isinstance(part, type) else part for part in parts]
+    return _digest(json.dumps(plain(plain_parts), sort_keys=True))
 
 
 def stamp() -> str:

@@ -39,11 +39,11 @@ def jobs(name: str, scene: Scene, request: Request) -> dict[str, Job]:
     on = [effect.name for effect in fields(Effects) if getattr(scene.effects, effect.name)]
     off = tuple(effect.name for effect in fields(Effects) if not getattr(scene.derived_effects, effect.name))
     plain = Job(name, ENGINE, PRESET, request.seed, request.full, request.frames)
-    found = {"": plain}
+    by_change = {"": plain}
     for effect in on:
         if effect not in KEPT:
-            found[f"without {effect}"] = replace(plain, preset=f"without-{effect}", base=PRESET, narrow=(effect,))
-    return found | {FORCED: replace(plain, preset=FORCED, base=PRESET, force=off)}
+            by_change[f"without {effect}"] = replace(plain, preset=f"without-{effect}", base=PRESET, narrow=(effect,))
+    return by_change | {FORCED: replace(plain, preset=FORCED, base=PRESET, force=off)}
 
 
 def figures(job: Job) -> Entry:
@@ -115,14 +115,14 @@ def _p50(clocked: Clocked) -> float | None:
     return float(np.median(clocked.timed.best_us)) if clocked.timed else None
 
 
-def _rows(scenarios: Mapping[str, Scenario], change: str, job: Job, found: Entry, p50: float | None) -> list[Row]:
-    head = Head(NAME, job.scenario, ENGINE, PRESET, change, "", job.seed, found["frames"])
-    if found["state"] != "measured":
-        return [head.without(found["state"], found["note"])]
-    rows = [head.row("frame_time_p50", p50, f"{REPEATS} x {min(found['frames'], MOST_FRAMES)} frames")]
-    rows += [head.row("pose_distance_max", found["moved"])] if change else []
+def _rows(scenarios: Mapping[str, Scenario], change: str, job: Job, entry: Entry, p50: float | None) -> list[Row]:
+    head = Head(NAME, job.scenario, ENGINE, PRESET, change, "", job.seed, entry["frames"])
+    if entry["state"] != "measured":
+        return [head.without(entry["state"], entry["note"])]
+    rows = [head.row("frame_time_p50", p50, f"{REPEATS} x {min(entry['frames'], MOST_FRAMES)} frames")]
+    rows += [head.row("pose_distance_max", entry["moved"])] if change else []
     for metric, bound in bounds_of(scenarios[job.scenario]).items():
-        value = found["values"].get(metric)
+        value = entry["values"].get(metric)
         rows.append(head.row(metric, None if value is None else float(value), bound=bound.limit))
     return rows
 

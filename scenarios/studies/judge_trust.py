@@ -24,9 +24,9 @@ def ask(request: Request) -> tuple[list[Row], list[str]]:
         from reference.judging.known_pairs import KINDS
     except ImportError as error:
         raise MissingPackage(str(error.name), "compare", "the judge and its second opinion") from error
-    drawn = seed()
+    draw_seed = seed()
     with Progress("judge", len(KINDS), sys.stderr, part=True) as progress:
-        write(trust(PAIRS, drawn, progress.step), request.folder, command(PAIRS, drawn))
+        write(trust(PAIRS, draw_seed, progress.step), request.folder, command(PAIRS, draw_seed))
     return [], []
 
 

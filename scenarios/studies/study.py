@@ -38,7 +38,7 @@ class Request:
     seed       of motions and engines
     full       full lengths
     outcomes, clocked  results of both passes of the run, by the stem of the job
-    kept       folder of checkpoints of the long form; None for the short one
+    checkpoints  folder of the long form; None for the short one
     own        settings of the reader's own
     frames     most frames of a scene; None for all
     """
@@ -51,18 +51,18 @@ class Request:
     full: bool = False
     outcomes: Mapping[str, Outcome] = field(default_factory=dict)
     clocked: Mapping[str, Clocked] = field(default_factory=dict)
-    kept: Path | None = None
+    checkpoints: Path | None = None
     own: tuple[OwnSettings, ...] = ()
     frames: int | None = None
 
     @property
     def long(self) -> bool:
         """Return True if the long form is requested."""
-        return self.kept is not None
+        return self.checkpoints is not None
 
     def checkpoint(self, study: str) -> Checkpoint:
         """Return the checkpoint of a study: in a file in its long form only, since a comparison's figures are all its own."""
-        return Checkpoint(None if self.kept is None else self.kept / f"{study}.jsonl")
+        return Checkpoint(None if self.checkpoints is None else self.checkpoints / f"{study}.jsonl")
 
 
 @dataclass(frozen=True)

@@ -19,18 +19,18 @@ NAME = __name__
 
 
 @cache
-def _found() -> MappingProxyType[str, Scenario]:
+def _collected() -> MappingProxyType[str, Scenario]:
     return MappingProxyType({scenario.name: scenario for scenario in (*ROOMS, at_rate(ROOMS[-1]))})
 
 
 def scenarios() -> dict[str, Scenario]:
     """Return the scene of every room by name."""
-    return dict(_found())
+    return dict(_collected())
 
 
 def get(name: str) -> Scenario:
     """Return the scene called `name`; UnknownName lists those that exist."""
     try:
-        return _found()[name]
+        return _collected()[name]
     except KeyError:
-        raise UnknownName("scenario", name, _found()) from None
+        raise UnknownName("scenario", name, _collected()) from None

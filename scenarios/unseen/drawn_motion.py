@@ -45,25 +45,25 @@ EVERY = 10
 @cache
 def pool() -> tuple[Clip, ...]:
     """Return all recorded clips at the steps of a rendered frame; those that wrap long enough for any piece."""
-    found = []
+    clips = []
     for name in clip_names():
         clip = load_clip(name)
         rounds = int(np.ceil(LONGEST * RENDERED / clip.times[-1])) if clip.wraps else 1
-        found.append(retimed(repeated(clip, rounds) if rounds > 1 else clip))
-    return tuple(found)
+        clips.append(retimed(repeated(clip, rounds) if rounds > 1 else clip))
+    return tuple(clips)
 
 
 def piece(random: np.random.Generator) -> Clip:
     """Return one piece of a recorded clip, perhaps mirrored and under another upper body, its time warped."""
 
-    def taken() -> Clip:
+    def random_part() -> Clip:
         clip = pool()[random.integers(len(pool()))]
         count = int(random.integers(SHORTEST, LONGEST + 1))
         part = cut(clip, int(random.integers(max(1, len(clip.times) - count + 1))), count)
         return mirrored(part) if random.random() < MIRRORED else part
 
-    part = taken()
-    return warped(layered(taken(), part) if random.random() < LAYERED else part, random)
+    part = random_part()
+    return warped(layered(random_part(), part) if random.random() < LAYERED else part, random)
 
 
 def steered(before: Clip, after: Clip, aim: Array, random: np.random.Generator) -> float:

@@ -21,12 +21,12 @@ class Drawn:
     digits: str
 
     @property
-    def said(self) -> str:
+    def text(self) -> str:
         """Seed and source as text."""
         return f"seed {self.seed} of the unseen motions: the first {DIGITS} digits of {self.kind} {self.digits}"
 
 
-def drawn_from(root: Path) -> Drawn:
+def draw_from(root: Path) -> Drawn:
     """Return the seed for the sources at `root`."""
     commit = commit_of(root)
     kind, digits = ("commit", commit) if commit else ("code", hash_of_sources(root))
@@ -35,6 +35,6 @@ def drawn_from(root: Path) -> Drawn:
 
 
 @cache
-def drawn() -> Drawn:
+def draw() -> Drawn:
     """Return the seed for this project as it was at the first call."""
-    return drawn_from(ROOT)
+    return draw_from(ROOT)

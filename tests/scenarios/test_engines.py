@@ -7,7 +7,7 @@ import pytest
 
 from avatarsim.errors import InvalidInput, MissingPackage, UnknownName
 from runfiles.engines import about, engines
-from scenarios.engines import absent, known, opened, taken
+from scenarios.engines import absent, engines_to_run, known, opened
 from tests.scenarios.bad_engines import NAMES, joined
 
 
@@ -43,9 +43,9 @@ def test_an_engine_that_is_not_installed_is_left_out_unless_it_is_named(
 ) -> None:
     monkeypatch.setattr("scenarios.engines.find_spec", lambda package: None if package in ("rapier3d", "sapien") else object())
     assert set(absent()) == {"rapier", "physx"} and "sapien" in absent()["physx"]
-    assert {"rapier", "physx"}.isdisjoint(taken(())) and {"avatarsim", "mujoco", "tracker"} <= set(taken(()))
+    assert {"rapier", "physx"}.isdisjoint(engines_to_run(())) and {"avatarsim", "mujoco", "tracker"} <= set(engines_to_run(()))
     assert "Rapier" in capsys.readouterr().err
-    assert taken(("rapier",)) == ["rapier"]
+    assert engines_to_run(("rapier",)) == ["rapier"]
 
 
 @pytest.mark.parametrize(("name", "error", "named"), [

@@ -73,25 +73,25 @@ def hinge_limits(link: str) -> tuple[float, float]:
 
 def ball_limits(link: str) -> SwingTwist:
     """Return cone and twist of the ball joint of `link`, such as "left_hip" or "neck"."""
-    found, side, centre = _ball(link)
-    swing = max(_angle(np.array(centre), end) for end in ends(found, side))
+    range_, side, centre = _ball(link)
+    swing = max(_angle(np.array(centre), end) for end in ends(range_, side))
     # turning the left limb outwards is a positive turn about up
-    out = side * (1.0 if found.axis == UP else -1.0)
-    low, high = sorted((out * found.turn_out, -out * found.turn_in))
-    return SwingTwist(found.axis, centre, swing, (float(np.radians(low)), float(np.radians(high))))
+    out = side * (1.0 if range_.axis == UP else -1.0)
+    low, high = sorted((out * range_.turn_out, -out * range_.turn_in))
+    return SwingTwist(range_.axis, centre, swing, (float(np.radians(low)), float(np.radians(high))))
 
 
 def reach_cone(link: str) -> ReachCone:
     """Return the reach cone of the ball joint of `link`: quarters of ellipses, in angles, between neighbours of the four ends."""
-    found, side, seen = _ball(link)
+    range_, side, seen = _ball(link)
     corners = []
     for bearing in 2.0 * np.pi * np.arange(CORNERS) / CORNERS:
-        forward = np.cos(bearing) * (found.forward if np.cos(bearing) > 0.0 else found.backward)
-        outward = np.sin(bearing) * (found.outward if np.sin(bearing) > 0.0 else found.inward)
+        forward = np.cos(bearing) * (range_.forward if np.cos(bearing) > 0.0 else range_.backward)
+        outward = np.sin(bearing) * (range_.outward if np.sin(bearing) > 0.0 else range_.inward)
         shorter = min(1.0, WIDEST_REACH / float(np.hypot(forward, outward)))
-        corners.append(tilted(found, side, shorter * forward, shorter * outward))
+        corners.append(tilted(range_, side, shorter * forward, shorter * outward))
     # counter-clockwise seen from outside: that depends on where the limb points, and on the side
-    around = 1 if (found.axis == UP) == (side > 0.0) else -1
+    around = 1 if (range_.axis == UP) == (side > 0.0) else -1
     return ReachCone(np.array(corners[::around]), seen)
 
 
@@ -100,25 +100,25 @@ def _ball(link: str) -> tuple[Range, float, Vector]:
     side, joint = _side_and_joint(link)
     if joint not in RANGES:
         raise UnknownName("joint with ball limits", link, RANGES)
-    found = RANGES[joint]
-    x, y, z = tilted(found, side, 0.5 * (found.forward - found.backward), 0.5 * (found.outward - found.inward)).tolist()
-    return found, side, (x, y, z)
+    range_ = RANGES[joint]
+    x, y, z = tilted(range_, side, 0.5 * (range_.forward - range_.backward), 0.5 * (range_.outward - range_.inward)).tolist()
+    return range_, side, (x, y, z)
 
 
-def tilted(found: Range, side: float, forward: float, outward: float) -> NDArray[np.float64]:
+def tilted(range_: Range, side: float, forward: float, outward: float) -> NDArray[np.float64]:
     """Return the direction of the limb swung by `forward` and `outward` degrees at once; side is 1 for left, -1 for right."""
     towards = np.array([forward, side * outward, 0.0])
     angle = float(np.linalg.norm(towards))
     if angle == 0.0:
-        return np.array(found.axis)
+        return np.array(range_.axis)
     tilt = np.radians(angle)
-    return np.asarray(np.cos(tilt) * np.array(found.axis) + np.sin(tilt) * towards / angle)
+    return np.asarray(np.cos(tilt) * np.array(range_.axis) + np.sin(tilt) * towards / angle)
 
 
-def ends(found: Range, side: float) -> tuple[NDArray[np.float64], ...]:
+def ends(range_: Range, side: float) -> tuple[NDArray[np.float64], ...]:
     """Return the four directions at which motion ends by the table."""
-    reached = ((found.forward, 0.0), (-found.backward, 0.0), (0.0, found.outward), (0.0, -found.inward))
-    return tuple(tilted(found, side, forward, outward) for forward, outward in reached)
+    reached = ((range_.forward, 0.0), (-range_.backward, 0.0), (0.0, range_.outward), (0.0, -range_.inward))
+    return tuple(tilted(range_, side, forward, outward) for forward, outward in reached)
 
 
 def _side_and_joint(link: str) -> tuple[float, str]:

@@ -48,14 +48,14 @@ class Mjcf:
         """Return `count` numbers of an attribute; InvalidFile when there are others, or none and no default."""
         words = element.get(attribute)
         try:
-            found = np.array(default if words is None else [float(word) for word in words.split()], dtype=np.float64)
+            values = np.array(default if words is None else [float(word) for word in words.split()], dtype=np.float64)
         except (TypeError, ValueError):
-            found = np.zeros(0)
+            values = np.zeros(0)
         # MJCF allows more numbers than a type needs: a capsule's size with fromto, say
-        if found.ndim != 1 or len(found) < count or not np.isfinite(found).all():
+        if values.ndim != 1 or len(values) < count or not np.isfinite(values).all():
             thing = f"{attribute} of <{element.tag} {element.get('name', '')}> in {self.path.name}"
             raise InvalidFile(thing, words, f"{count} finite numbers")
-        return found[:count]
+        return values[:count]
 
     def links(self, root: Element) -> tuple[Link, ...]:
         """Return the links of the tree below the body `root`, parents first."""

@@ -23,10 +23,10 @@ def corners(path: Path) -> Array:
     if count == 0 or len(content) != HEADER + RECORD * count:
         raise InvalidFile(f"length of {path.name}", len(content), valid)
     triangle = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("colour", "<u2")])
-    found = np.frombuffer(content, triangle, count, HEADER)["corners"].reshape(-1, 3).astype(np.float64)
-    if not np.isfinite(found).all():
+    triangles = np.frombuffer(content, triangle, count, HEADER)["corners"].reshape(-1, 3).astype(np.float64)
+    if not np.isfinite(triangles).all():
         raise InvalidFile(f"numbers of {path.name}", "not all finite", valid)
-    return found
+    return triangles
 
 
 def hull_of(path: Path, scale: Array, directions: int) -> ConvexHull:

@@ -51,13 +51,13 @@ def build() -> Scene:
 
 def keys() -> list[Key]:
     """Return keys: bent, snap, stay a moment, bend again and move up to the next place."""
-    found: list[Key] = []
+    keyframes: list[Key] = []
     for begin, tip in SNIPS:
-        found += [
+        keyframes += [
             (begin + 0.4, _at(tip, BENT)), (begin + 0.5, _at(tip + 0.06, 0.0)), (begin + 0.7, _at(tip + 0.07, 0.05)),
             (begin + 0.85, _at(tip, BENT)),
         ]
-    return [*found, (3.4, _at(0.0, 0.3)), (FRAMES / 60.0, _at(-0.1, 0.3))]
+    return [*keyframes, (3.4, _at(0.0, 0.3)), (FRAMES / 60.0, _at(-0.1, 0.3))]
 
 
 def _at(tip: float, bend: float) -> TrackerSample:

@@ -65,9 +65,9 @@ def swinging_hinges(scene: Scene, seed: int) -> Motion:
 
     def sample(frame: int) -> TrackerSample:
         time = (frame + 1) * RENDERED
-        asked = middle + width * np.sin(2.0 * np.pi * swings * time + starts)
-        asked[(frame // FLIP) % len(limits)] *= -1.0
-        return TrackerSample(time, start.positions, start.rotations, asked)
+        angles = middle + width * np.sin(2.0 * np.pi * swings * time + starts)
+        angles[(frame // FLIP) % len(limits)] *= -1.0
+        return TrackerSample(time, start.positions, start.rotations, angles)
 
     return sample
 

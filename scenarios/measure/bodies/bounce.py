@@ -125,13 +125,13 @@ def apex(way: Flight, start: float, end: float) -> float:
     return max(top, float(height[rising[0]] + speed[rising[0]] ** 2 / (2.0 * way.gravity))) if len(rising) else top
 
 
-def apex_errors(way: Flight, drop: Drop, found: list[Impact]) -> list[float]:
+def apex_errors(way: Flight, drop: Drop, all_impacts: list[Impact]) -> list[float]:
     """Return |apex - e^(2n) h| [m] for n = 1, 2, ... while the expected apex is at least LOWEST_APEX and within the recording.
 
     A bounce that did not happen reached 0."""
     fall, e, errors = float(np.sqrt(2.0 * drop.height / way.gravity)), drop.restitution, []
     impact_time, n = fall, 1
-    hits = [impact.time for impact in found if impact.before > JITTER]
+    hits = [impact.time for impact in all_impacts if impact.before > JITTER]
     while (expected := e ** (2 * n) * drop.height) >= LOWEST_APEX and impact_time + e**n * fall + LATE <= way.time[-1]:
         ends = [*hits[n:], np.inf]
         errors.append(abs(apex(way, hits[n - 1], ends[0]) - expected) if n <= len(hits) else expected)
@@ -144,14 +144,14 @@ def apex_errors(way: Flight, drop: Drop, found: list[Impact]) -> list[float]:
 def bounces(recording: Recording, scene: Scene, drop: Drop) -> Values:
     """Return restitution_error_max and apex_error_max [m] of a drop."""
     way = of_drop(recording, scene, drop)
-    found = impacts(way)
-    fast = [impact for impact in found if impact.before > REST_SPEED]
+    all_impacts = impacts(way)
+    fast = [impact for impact in all_impacts if impact.before > REST_SPEED]
     if not fast:
         never = Missing(f"no impact of {drop.ball} was seen", "engine")
         if way.time[-1] < np.sqrt(2.0 * drop.height / way.gravity) + LATE:
             never = Missing(f"the recording ends before {drop.ball} comes down", "scene")
         return {"restitution_error_max": never, "apex_error_max": never}
-    heights = apex_errors(way, drop, found)
+    heights = apex_errors(way, drop, all_impacts)
     flat: Value = Missing(f"no expected apex above {LOWEST_APEX:g} m in the frames that were run", "scene")
     return {
         "restitution_error_max": max(impact.error(drop.restitution) for impact in fast),

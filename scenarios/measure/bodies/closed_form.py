@@ -25,13 +25,13 @@ def course_errors(recording: Recording, scene: Scene, course: Course) -> Values:
     chosen, body = (recording.times >= course.since) & (recording.times <= course.until), scene.names.index(course.body)
     stated = zip(METRICS, (course.position, course.velocity, course.spin), strict=True)
     shown = (recording.positions, recording.velocities, recording.angular_velocities)
-    found: dict[str, Value] = {}
+    by_metric: dict[str, Value] = {}
     for (metric, form), values in zip(stated, shown, strict=True):
         if form is not None:
             errors = np.linalg.norm(values[chosen, body] - _at(form, recording.times[chosen]), axis=1)
             early = Missing("the recording ends before the closed form begins", "scene")
-            found[metric] = float(np.max(errors)) if len(errors) else early
-    return found
+            by_metric[metric] = float(np.max(errors)) if len(errors) else early
+    return by_metric
 
 
 def _at(form: OfTime, times: Array) -> Array:
@@ -59,13 +59,13 @@ samples place it to 1e-9 s, two to 1e-4 s."""
 
 def crossings(times: Array, values: Array) -> list[float]:
     """Return times [s] at which `values` change sign, to the accuracy of a polynomial through the samples around."""
-    found = []
+    roots = []
     for k in np.flatnonzero(np.signbit(values[:-1]) != np.signbit(values[1:])):
         low, high = max(0, int(k) + 1 - NEIGHBOURS), int(k) + 1 + NEIGHBOURS
         middle = float(times[k])
         curve = BarycentricInterpolator(times[low:high] - middle, values[low:high])
-        found.append(middle + float(brentq(curve, 0.0, float(times[k + 1]) - middle, xtol=1e-13)))
-    return found
+        roots.append(middle + float(brentq(curve, 0.0, float(times[k + 1]) - middle, xtol=1e-13)))
+    return roots
 
 
 @for_each("flips", Flips)

@@ -81,19 +81,19 @@ def conserved(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     (|E - E0|) over those in expects["elastic"]; energy_gain_max (rise of E from state to state) over those in expects["alone"].
     All relative, energies to the largest kinetic energy of the group. Each empty when not expected."""
     gravity = np.array(scene.gravity)
-    found: dict[str, list[float]] = {}
+    drifts: dict[str, list[float]] = {}
     for names in expected(scenario, "isolated", tuple):
         own = group(recording, scene, names)
-        found.setdefault("momentum_drift_max", []).append(own.momentum_drift())
-        found.setdefault("angular_momentum_drift_max", []).append(own.angular_momentum_drift())
+        drifts.setdefault("momentum_drift_max", []).append(own.momentum_drift())
+        drifts.setdefault("angular_momentum_drift_max", []).append(own.angular_momentum_drift())
     for names in expected(scenario, "elastic", tuple):
         own = group(recording, scene, names)
         energy = own.energy(gravity)
-        found.setdefault("energy_drift_max", []).append(_relative(np.abs(energy - energy[0]), own.fastest()))
+        drifts.setdefault("energy_drift_max", []).append(_relative(np.abs(energy - energy[0]), own.fastest()))
     for names in expected(scenario, "alone", tuple):
         own = group(recording, scene, names)
         rises = np.maximum(np.diff(own.energy(gravity), prepend=np.inf)[1:], 0.0)
         # bodies that rest all the time have gained nothing
-        found.setdefault("energy_gain_max", []).append(0.0 if np.max(rises) == 0.0 else _relative(rises, own.fastest()))
+        drifts.setdefault("energy_gain_max", []).append(0.0 if np.max(rises) == 0.0 else _relative(rises, own.fastest()))
     # np.max keeps nan, which max() may lose
-    return {metric: float(np.max(values)) for metric, values in found.items()}
+    return {metric: float(np.max(values)) for metric, values in drifts.items()}

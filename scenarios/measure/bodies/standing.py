@@ -48,14 +48,14 @@ def towers(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
 
     ratio_standing_max: the largest ratio of masses of which, and of all below, no tower fell; 0 if none. Empty without towers.
     """
-    asked = sorted(expected(scenario, "towers", Tower), key=lambda tower: tower.ratio)
-    if not asked:
+    expectations = sorted(expected(scenario, "towers", Tower), key=lambda tower: tower.ratio)
+    if not expectations:
         return {}
     standing = []
-    for tower in asked:
+    for tower in expectations:
         shown = recording.positions[recording.times >= tower.since, scene.names.index(tower.body)]
         standing.append(len(shown) > 0 and bool((np.linalg.norm(shown - tower.place, axis=1) <= STANDS).all()))
-    before_the_first_that_fell = asked[: standing.index(False)] if False in standing else asked
+    before_the_first_that_fell = expectations[: standing.index(False)] if False in standing else expectations
     return {
         "towers_fallen": float(standing.count(False)),
         "ratio_standing_max": max((tower.ratio for tower in before_the_first_that_fell), default=0.0),

@@ -63,8 +63,8 @@ def time_kept(recording: Recording, scene: Scene) -> Values:
     }
 
 
-def _in_a_row(behind: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _in_a_row(late: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Keep the frames (F, n) that are among at least IN_A_ROW in a row."""
-    padded = np.pad(behind, ((IN_A_ROW - 1, IN_A_ROW - 1), (0, 0)))
+    padded = np.pad(late, ((IN_A_ROW - 1, IN_A_ROW - 1), (0, 0)))
     full = sliding_window_view(padded, IN_A_ROW, axis=0).all(axis=-1)
     return np.asarray(sliding_window_view(full, IN_A_ROW, axis=0).any(axis=-1))

@@ -58,18 +58,18 @@ def _hinges(joint: Hinges, place: Place, orientations: Array, angles: Array) -> 
     turn = turned(place, orientations)
     axes = [np.array(hinge.axis) for hinge in joint.hinges]
     if len(axes) == 1:
-        told = angle_about(axes[0], turn)[:, None]
+        measured = angle_about(axes[0], turn)[:, None]
     elif angles.shape[1] >= place.angles.stop:
         # three angles are not one-to-one with a rotation, so the engine's own are taken, once they prove to be the pose
-        told = angles[:, place.angles]
+        measured = angles[:, place.angles]
     else:
         return np.full(len(turn), np.nan)
     composed = np.tile(rotation.IDENTITY, (len(turn), 1))
-    for axis, angle in zip(axes, told.T, strict=True):
+    for axis, angle in zip(axes, measured.T, strict=True):
         composed = rotation.multiply(composed, rotation.from_axis_angle(axis, angle))
     off = angle_between(composed, turn)
     excess = np.where(off <= SAME_TURN, 0.0, off)
-    for hinge, angle in zip(joint.hinges, told.T, strict=True):
+    for hinge, angle in zip(joint.hinges, measured.T, strict=True):
         excess = np.maximum(excess, beyond(angle, hinge.lower, hinge.upper))
     return np.asarray(excess)
 
@@ -120,10 +120,10 @@ def limit_excess(recording: Recording, scene: Scene) -> Values:
     if not (scene.derived_effects.limits or scene.derived_effects.kinematics):
         return {}
     orientations, positions = recording.orientations[:, recording.links], recording.positions[:, recording.links]
-    found = {
+    excess = {
         "joint_limit_excess_max": float(np.degrees(np.max(joint_limit_excess(scene, orientations, recording.angles)))),
         "joint_gap_max": float(np.max(gaps(scene, positions, orientations))),
     }
     if scene.derived_effects.reach_cones:
-        found["reach_cone_excess_max"] = float(np.degrees(np.max(reach_cone_excess(scene, orientations))))
-    return found
+        excess["reach_cone_excess_max"] = float(np.degrees(np.max(reach_cone_excess(scene, orientations))))
+    return excess

@@ -104,10 +104,10 @@ def free_awhile(free: Flags, dt: float) -> Flags:
 
 def silent_frames(recording: Recording, free: Flags) -> Flags:
     """Return (F,) True where a link is over FAR from its target, which has been free for CALM, and no status gives a reason."""
-    told = np.zeros(recording.frames + 1, dtype=bool)
+    reported = np.zeros(recording.frames + 1, dtype=bool)
     for numbers in recording.statuses.values():
-        told |= numbers > 0
-    silent = free_awhile(free, recording.dt) & ~told[1:]
+        reported |= numbers > 0
+    silent = free_awhile(free, recording.dt) & ~reported[1:]
     return np.asarray(silent & ~(offsets(recording).max(axis=1) <= FAR))
 
 

@@ -21,11 +21,11 @@ def offsets(recording: Recording) -> Array:
 def angle_offsets(recording: Recording, scene: Scene) -> Array:
     """Return (F, joints) angle [rad] between each joint's rotation and the raw tracker's; a free root counts as one joint."""
     shown, raw = recording.orientations[1:, recording.links], recording.raw_orientations[1:]
-    found = [
+    offsets = [
         angle_between(relative(place, shown), relative(place, raw))
         for place in places(scene) if not isinstance(place.joint, Rigid)
     ]
-    return np.array(found, dtype=np.float64).reshape(len(found), recording.frames).T
+    return np.array(offsets, dtype=np.float64).reshape(len(offsets), recording.frames).T
 
 
 def rms(values: Array) -> float:

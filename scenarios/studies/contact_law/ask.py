@@ -48,31 +48,31 @@ def obtained(job: Job) -> Entry:
     scene, dt = prepared.scene, prepared.scenario.dt
     recording = gathered(job, prepared.scenario, scene, prepared.states, shown.frames, {})
     touch, gravity = worlds.solid_of(law, worlds.parts_of(job.scenario)[1])[2], -scene.gravity[2]
-    found: dict[str, list[float]] = {}
+    by_value: dict[str, list[float]] = {}
     for stated in worlds.ASKED[law]:
         for phase in range(worlds.PHASES):
             body = scene.names.index(worlds.body_name(stated, phase))
             height, velocity = recording.positions[:, body, 2] - touch, recording.velocities[:, body]
             figure = restitution(height, velocity[:, 2], gravity, dt) if law == "restitution" else friction(velocity, height, dt)
-            found.setdefault(f"{stated:g}", []).append(figure)
-    return {"state": "measured", "note": "", "values": found}
+            by_value.setdefault(f"{stated:g}", []).append(figure)
+    return {"state": "measured", "note": "", "values": by_value}
 
 
 def ask(request: Request) -> tuple[list[Row], list[str]]:
     """Run everything, side by side, and return the rows."""
     tasks = {key_of(NAME, job): job for job in jobs_of(request)}
-    found = dict(answers(obtained, tasks, request, request.checkpoint(NAME), NAME, reuses_process))
-    return [row for key, job in tasks.items() for row in rows_of(job, found[key])], []
+    entries = dict(answers(obtained, tasks, request, request.checkpoint(NAME), NAME, reuses_process))
+    return [row for key, job in tasks.items() for row in rows_of(job, entries[key])], []
 
 
-def rows_of(job: Job, found: Entry) -> list[Row]:
+def rows_of(job: Job, entry: Entry) -> list[Row]:
     """Return a row for the median, lowest and highest of each coefficient."""
     law, shape, rate = worlds.parts_of(job.scenario)
     head = Head(NAME, f"{law}_{shape}", job.engine, job.preset, f"1/{rate} s")
-    if found["state"] != "measured":
-        return [head.without(found["state"], found["note"])]
+    if entry["state"] != "measured":
+        return [head.without(entry["state"], entry["note"])]
     rows = []
-    for stated, values in found["values"].items():
+    for stated, values in entry["values"].items():
         middle, low, high, note = summed_up([float(value) for value in values])
         name = f"obtained_{stated}"
         rows += [head.row(name, middle, note), head.row(f"{name}_low", low), head.row(f"{name}_high", high)]

@@ -62,9 +62,9 @@ def parts_of(name: str) -> tuple[str, str, int]:
     return law, shape, int(rate)
 
 
-def body_name(asked: float, phase: int) -> str:
+def body_name(stated: float, phase: int) -> str:
     """Return the name of one body."""
-    return f"{asked:g}_{phase}"
+    return f"{stated:g}_{phase}"
 
 
 def solid_of(law: str, shape: str) -> tuple[tuple[Piece, ...], Quaternion, float]:
@@ -86,16 +86,16 @@ def rotation_of(axis: tuple[float, float, float], angle: float) -> Quaternion:
     return turned_by(axis, radians(angle))
 
 
-def contact(law: str, asked: float) -> ContactLaw:
+def contact(law: str, stated: float) -> ContactLaw:
     """Return the stated law of a body and the floor."""
-    return ContactLaw(asked, 0.0) if law == "restitution" else ContactLaw(BOUNCE, asked)
+    return ContactLaw(stated, 0.0) if law == "restitution" else ContactLaw(BOUNCE, stated)
 
 
 def build(law: str, shape: str) -> Scene:
     """Return PHASES bodies for each coefficient, on lanes that do not meet."""
     bodies: list[Body] = [fixed("floor", (Piece(Box((140.0, 140.0, 0.2))),), "floor", (0.0, 0.0, -0.1))]
     pieces, turn, touch = solid_of(law, shape)
-    for k, asked in enumerate(ASKED[law]):
+    for k, value in enumerate(ASKED[law]):
         for phase in range(PHASES):
             if law == "restitution":
                 at = (APART * k, APART * phase, touch + HEIGHT + SPREAD * phase / PHASES)
@@ -109,10 +109,10 @@ def build(law: str, shape: str) -> Scene:
                 velocity = (ALONG * cos(angle), ALONG * sin(angle), -DOWN)
                 turned = rotation_of((0.0, 0.0, 1.0), DIRECTIONS[way])
             w, x, y, z = rotation.multiply(turned, turn).tolist()
-            mass, name = solid(pieces, MASS), body_name(asked, phase)
-            bodies.append(simulated(name, pieces, f"c_{asked:g}", mass, at, (w, x, y, z), velocity=velocity))
-    stated = {("floor", f"c_{asked:g}"): contact(law, asked) for asked in ASKED[law]}
-    materials = pair_table(["floor", *(f"c_{asked:g}" for asked in ASKED[law])], stated)
+            mass, name = solid(pieces, MASS), body_name(value, phase)
+            bodies.append(simulated(name, pieces, f"c_{value:g}", mass, at, (w, x, y, z), velocity=velocity))
+    stated = {("floor", f"c_{value:g}"): contact(law, value) for value in ASKED[law]}
+    materials = pair_table(["floor", *(f"c_{value:g}" for value in ASKED[law])], stated)
     gravity = EARTH if law == "restitution" else NOWHERE
     return Scene(f"{law}_{shape}", tuple(bodies), materials=materials, gravity=gravity)
 

@@ -14,7 +14,7 @@ from scenarios.studies.hard_cases.trial import FIGURES, LATE, Task, tried
 from scenarios.studies.study import Head, Request, Study, answers
 
 NAME = "hard_cases"
-PATIENCE = 3.0 * LATE
+TIMEOUT = 3.0 * LATE
 """Longest [s] without an answer: an engine that never comes back from a frame is in an endless loop."""
 LEFT_OUT = ("tunnelling",)
 """Cases of the long form only: as dear as four others, with one end under every change."""
@@ -42,29 +42,29 @@ def tasks_of(request: Request) -> list[Task]:
 def ask(request: Request) -> tuple[list[Row], list[str]]:
     """Try everything, side by side. Returns the rows, and a sentence for each engine and preset that could not be run."""
     tasks = {key_of(NAME, task): task for task in tasks_of(request)}
-    found = dict(answers(
-        tried, tasks, request, request.checkpoint(NAME), NAME, lambda task: reuses_process(task.job), PATIENCE, "not-measured",
+    entries = dict(answers(
+        tried, tasks, request, request.checkpoint(NAME), NAME, lambda task: reuses_process(task.job), TIMEOUT, "not-measured",
     ))
-    plain = {(task.job.scenario, task.job.run): found[key] for key, task in tasks.items() if task.trial.name == ""}
+    plain = {(task.job.scenario, task.job.run): entries[key] for key, task in tasks.items() if task.trial.name == ""}
     rows = [
-        row for key, task in tasks.items() for row in rows_of(task, found[key], plain.get((task.job.scenario, task.job.run)))
+        row for key, task in tasks.items() for row in rows_of(task, entries[key], plain.get((task.job.scenario, task.job.run)))
     ]
     absent = {row.run: row.note for row in rows if row.status == "not-measured"}
     return rows, [f"{run} was not tried: {note}" for run, note in absent.items()]
 
 
-def rows_of(task: Task, found: Entry, plain: Entry | None) -> Iterator[Row]:
+def rows_of(task: Task, entry: Entry, plain: Entry | None) -> Iterator[Row]:
     """Yield the rows of a trial, compared with the unchanged one of its case and engine."""
     job = task.job
-    head = Head(NAME, job.scenario, job.engine, job.preset, task.trial.name, seed=job.seed, frames=found["frames"])
-    if found["state"] != "measured":
-        yield head.without(found["state"], found["note"])
+    head = Head(NAME, job.scenario, job.engine, job.preset, task.trial.name, seed=job.seed, frames=entry["frames"])
+    if entry["state"] != "measured":
+        yield head.without(entry["state"], entry["note"])
         return
     for metric in FIGURES:
-        value = found["values"].get(metric)
-        yield head.row(metric, None if value is None else float(value), found["note"])
+        value = entry["values"].get(metric)
+        yield head.row(metric, None if value is None else float(value), entry["note"])
     # another user's motion ends elsewhere, and is no measure of anything
-    apart = None if task.trial.kind == "user" or plain is None else distance(found["end"], plain.get("end", ()))
+    apart = None if task.trial.kind == "user" or plain is None else distance(entry["end"], plain.get("end", ()))
     yield head.row("end_distance", apart)
 
 

@@ -129,8 +129,8 @@ class Elsewhere:
             "velocities": lambda there: rotation.rotate(home, there) / self.scale,
             "angular_velocities": lambda there: rotation.rotate(home, there),
         }
-        found: dict[str, Any] = {}
+        arrays: dict[str, Any] = {}
         for name, way in ways.items():
             fields = (field for field in (name, f"inside_{name}", f"raw_{name}") if hasattr(recording, field))
-            found |= {field: np.asarray(way(getattr(recording, field))) for field in fields}
-        return replace(recording, **found)
+            arrays |= {field: np.asarray(way(getattr(recording, field))) for field in fields}
+        return replace(recording, **arrays)

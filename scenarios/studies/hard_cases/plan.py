@@ -44,15 +44,15 @@ class Trial:
 
 def alone() -> list[Trial]:
     """Return the plain case and every change for itself."""
-    found = [Trial("", "", Variation())]
-    found += [Trial("start", f"{start:g} m", Variation(start=start)) for start in STARTS]
-    found += [Trial("seed", str(seed), Variation(seed=seed)) for seed in SEEDS]
-    found += [Trial("user", str(user), Variation(user=user)) for user in USERS]
-    found += [Trial("frame time", f"1/{1.0 / dt:.0f} s", Variation(dt=dt)) for dt in TIMES]
-    found += [Trial("solver step", f"{step:g} times", Variation(step=step)) for step in STEPS]
-    found += [Trial("size", f"{scale:g}", Variation(scale=scale)) for scale in SCALES]
-    found += [Trial("distance", f"{far:g} m", Variation(far=far)) for far in DISTANCES]
-    return found
+    trials = [Trial("", "", Variation())]
+    trials += [Trial("start", f"{start:g} m", Variation(start=start)) for start in STARTS]
+    trials += [Trial("seed", str(seed), Variation(seed=seed)) for seed in SEEDS]
+    trials += [Trial("user", str(user), Variation(user=user)) for user in USERS]
+    trials += [Trial("frame time", f"1/{1.0 / dt:.0f} s", Variation(dt=dt)) for dt in TIMES]
+    trials += [Trial("solver step", f"{step:g} times", Variation(step=step)) for step in STEPS]
+    trials += [Trial("size", f"{scale:g}", Variation(scale=scale)) for scale in SCALES]
+    trials += [Trial("distance", f"{far:g} m", Variation(far=far)) for far in DISTANCES]
+    return trials
 
 
 def together(count: int = TOGETHER, seed: int = SEED) -> list[Trial]:
@@ -63,11 +63,11 @@ def together(count: int = TOGETHER, seed: int = SEED) -> list[Trial]:
     floor = np.where(logarithmic, np.log(np.where(low > 0.0, low, 1.0)), low)
     roof = np.where(logarithmic, np.log(high), high)
     draws = floor + (roof - floor) * qmc.LatinHypercube(5, rng=np.random.default_rng(seed)).random(count)
-    found = []
+    trials = []
     for k, draw in enumerate(np.where(logarithmic, np.exp(draws), draws)):
         start, engine_seed, dt, scale, far = draw.tolist()
-        found.append(Trial("together", f"draw {k}", Variation(start, int(engine_seed), 0, dt, scale, far)))
-    return found
+        trials.append(Trial("together", f"draw {k}", Variation(start, int(engine_seed), 0, dt, scale, far)))
+    return trials
 
 
 def trials(count: int = TOGETHER) -> list[Trial]:

@@ -83,18 +83,18 @@ def _options(job: Job, case: Varied, change: Variation) -> dict[str, object] | N
     try:
         with closing(opened(job.engine)) as engine:
             engine.load(case.scene, job.settings(engine), case.dt)
-            told = engine.settings_as_run()
+            run = engine.settings_as_run()
     except Exception:
         # the run finds it again
         return {}
-    found = {name: value[0] if isinstance(value := told[name], tuple) else value for name in (STEP, *LENGTHS) if name in told}
+    numbers = {name: value[0] if isinstance(value := run[name], tuple) else value for name in (STEP, *LENGTHS) if name in run}
     options: dict[str, object] = {}
     for name in LENGTHS if change.scale != 1.0 else ():
-        if isinstance(length := found.get(name), float) and length > 0.0:
+        if isinstance(length := numbers.get(name), float) and length > 0.0:
             options[name] = change.scale * length
     if change.step == 1.0:
         return options
-    step = found.get(STEP)
+    step = numbers.get(STEP)
     return {**options, STEP: change.step * step} if isinstance(step, float) else None
 
 

@@ -69,26 +69,26 @@ class Sweep:
     def ask(self) -> tuple[list[Row], list[str]]:
         """Measure the settings that the budget allows. Returns the rows, and a sentence for each time that could not be taken."""
         self.begun, cells = self.now(), cells_of(self.request)
-        asked, left = self._rounds(cells)
+        requested, left = self._rounds(cells)
         order = {scenario: k for k, scenario in enumerate(dict.fromkeys(cell.scenario for cell in cells))}
         rows = [row for cell in sorted(cells, key=lambda cell: order[cell.scenario]) for row in self._rows(cell, left)]
-        return rows, list(self._untimed(asked))
+        return rows, list(self._untimed(requested))
 
     def _rounds(self, cells: Sequence[Cell]) -> tuple[list[Cell], Mapping[Cell, float]]:
         """Choose and measure until the budget is spent. Returns the cells that were run, and the cost [s] of the others."""
-        asked, waiting, pace = list[Cell](), list(cells), 1.0
+        requested, waiting, pace = list[Cell](), list(cells), 1.0
         choice = chosen(waiting, self.request, FIRST * self.budget)
-        while choice.asked and self.rounds < ROUNDS:
+        while choice.requested and self.rounds < ROUNDS:
             before = self.now()
             self.rounds += 1
-            asked += choice.asked
-            self._measure(choice.asked)
-            self._clock(choice.asked)
+            requested += choice.requested
+            self._measure(choice.requested)
+            self._clock(choice.requested)
             pace = min(max((self.now() - before) / max(choice.estimated, STARTED), PACES[0]), PACES[1])
             waiting = refined([cell for cell, _ in choice.left], self.errors, self.request)
             room = self.budget - (self.now() - self.begun)
             choice = chosen(waiting, self.request, max(room, 0.0) / pace)
-        return asked, {cell: pace * cost(cell, self.request) for cell in waiting}
+        return requested, {cell: pace * cost(cell, self.request) for cell in waiting}
 
     def _measure(self, cells: Sequence[Cell]) -> None:
         self.errors |= {cell: entry for cell in cells if (entry := known_errors(cell, self.request)) is not None}
@@ -104,9 +104,9 @@ class Sweep:
         ran = [cell for cell in cells if self.errors[cell]["state"] == "measured"]
         self.times |= {cell: entry for cell in ran if (entry := known_times(cell, self.request)) is not None}
         keys = {cell: key_of(NAME, "times", cell.job, cell.timed_frames) for cell in ran if cell not in self.times}
-        kept = {cell: entry for cell, key in keys.items() if (entry := self.checkpoint.get(key)) is not None}
-        self.times |= kept
-        todo = [cell for cell in keys if cell not in kept]
+        stored = {cell: entry for cell, key in keys.items() if (entry := self.checkpoint.get(key)) is not None}
+        self.times |= stored
+        todo = [cell for cell in keys if cell not in stored]
 
         def done(cell: Cell, entry: Entry) -> None:
             self.times[cell] = entry
@@ -123,13 +123,13 @@ class Sweep:
                 clock.times(list(scene), workers, done, list(scene.values()), self.errors)
 
     def _rows(self, cell: Cell, left: Mapping[Cell, float]) -> list[Row]:
-        found, timed = self.errors.get(cell), self.times.get(cell)
-        if cell in left or found is None:
+        entry, timed = self.errors.get(cell), self.times.get(cell)
+        if cell in left or entry is None:
             note = f"left out: an estimated {left.get(cell, 0.0):.1f} s did not fit into {self.budget:g} s"
-            found = {"state": "not-measured", "note": note, "values": {}, "missing": {}}
+            entry = {"state": "not-measured", "note": note, "values": {}, "missing": {}}
         if timed is None and cell.scenario in self.late:
             timed = {"p50": None, "note": f"not timed: more than {LATEST * self.budget:g} s had passed"}
-        return rows_of(cell, errors_of(cell, self.request), found, timed)
+        return rows_of(cell, errors_of(cell, self.request), entry, timed)
 
     def _untimed(self, cells: Sequence[Cell]) -> Iterator[str]:
         for cell in cells:

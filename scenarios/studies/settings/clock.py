@@ -48,11 +48,11 @@ def times(
         chairs = [f"{engine} {engines[:k].count(engine)}" for k, engine in enumerate(engines)]
         plan = [Round(often[cell], 0, cell.timed_frames) for cell in group]
         clocked = timed_pass([cell.job for cell in group], True, plan, [workers.at(chair) for chair in chairs])
-        for cell, found in zip(group, clocked, strict=True):
-            done(cell, time_entry(found, cell.setting.cut, errors.get(cell, {}).get("resting", ())))
+        for cell, one in zip(group, clocked, strict=True):
+            done(cell, time_entry(one, cell.setting.cut, errors.get(cell, {}).get("resting", ())))
 
 
-def time_entry(found: Clocked, cut: int, resting: Sequence[int] = ()) -> Entry:
+def time_entry(result: Clocked, cut: int, resting: Sequence[int] = ()) -> Entry:
     """Return median, 95th and 99th percentile and slowest of the rendered frames [us], engine only; None and why without times.
 
     Each frame is the least of its `repeats`, the slowest that of all. A 99th percentile of too few `frames` or repeats is None.
@@ -60,11 +60,11 @@ def time_entry(found: Clocked, cut: int, resting: Sequence[int] = ()) -> Entry:
     many, None where that is not known.
     """
     nothing = dict.fromkeys(("p50", "p95", "p99", "slowest", "rests", "moving", "at_rest"))
-    if found.timed is None:
-        return {"run": found.job.run, **nothing, "repeats": 0, "frames": 0, "note": found.note}
-    whole, repeats = np.array(rendered(found.timed.compared_us, cut)), found.timed.compared.repeats
+    if result.timed is None:
+        return {"run": result.job.run, **nothing, "repeats": 0, "frames": 0, "note": result.note}
+    whole, repeats = np.array(rendered(result.timed.compared_us, cut)), result.timed.compared.repeats
     p50, p95, p99 = (float(time) for time in np.percentile(whole, (50, 95, 99)))
-    enough = Protocol(repeats, len(whole), found.timed.warm_frames).has_tail
+    enough = Protocol(repeats, len(whole), result.timed.warm_frames).has_tail
     rests = np.asarray(resting[: cut * len(whole)], dtype=np.bool_)
     phases: dict[str, float] = {}
     if len(rests) == cut * len(whole):
@@ -74,9 +74,9 @@ def time_entry(found: Clocked, cut: int, resting: Sequence[int] = ()) -> Entry:
         if min(still.sum(), (~still).sum()) >= PHASE_FRAMES:
             phases |= {"moving": float(np.median(whole[~still])), "at_rest": float(np.median(whole[still]))}
     return {
-        "run": found.job.run, **nothing, "p50": p50, "p95": p95, "p99": p99 if enough else None,
-        "slowest": max(max(rendered(each, cut)) for each in found.timed.engine_ns / 1e3), **phases, "repeats": repeats,
-        "frames": len(whole), "note": found.timed.compared.said if found.note == found.timed.protocol.said else found.note,
+        "run": result.job.run, **nothing, "p50": p50, "p95": p95, "p99": p99 if enough else None,
+        "slowest": max(max(rendered(each, cut)) for each in result.timed.engine_ns / 1e3), **phases, "repeats": repeats,
+        "frames": len(whole), "note": result.timed.compared.said if result.note == result.timed.protocol.said else result.note,
     }
 
 

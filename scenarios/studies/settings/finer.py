@@ -16,7 +16,7 @@ from scenarios.scenario import Motion, Scenario
 
 MARK = "~"
 """Between the name and the number of parts."""
-MOST = 1024
+MAX_PARTS = 1024
 """Most parts of a frame: a slip of the hand beyond."""
 
 
@@ -29,8 +29,8 @@ def get(name: str) -> Scenario:
     """Return the scenario of that name. Raises UnknownName for a scene and InvalidInput for an invalid number of parts."""
     base, _, parts = name.partition(MARK)
     whole = catalog.get(base)
-    if not (parts.isdecimal() and 1 <= int(parts) <= MOST):
-        raise InvalidInput(f"parts of a frame in {name}", parts, f"a whole number from 1 to {MOST}")
+    if not (parts.isdecimal() and 1 <= int(parts) <= MAX_PARTS):
+        raise InvalidInput(f"parts of a frame in {name}", parts, f"a whole number from 1 to {MAX_PARTS}")
     cut = int(parts)
     return replace(
         whole, name=name, dt=whole.dt / cut, frames=whole.frames * cut, motion=_cut(whole.motion, cut),

@@ -94,7 +94,7 @@ def _grid(engine: str) -> tuple[tuple[Setting, bool], ...]:
 @cache
 def _read(engine: str, path: Path) -> tuple[tuple[Setting, bool], ...]:
     grid = read(path, Grid) if path.is_file() else Grid()
-    found = list[tuple[Setting, bool]]()
+    settings = list[tuple[Setting, bool]]()
     for k, row in enumerate(grid.sweep):
         base = row.base or row.name.partition(" ")[0]
         if not base or bool(row.name) == bool(row.steps):
@@ -106,8 +106,8 @@ def _read(engine: str, path: Path) -> tuple[tuple[Setting, bool], ...]:
             options |= grid.groups[group]
         for name, step in [(f"{base} dt=1/{rate}", {"dt": 1.0 / rate}) for rate in row.steps] or [(row.name, {})]:
             setting = Setting(engine, name, base, step | options, row.narrow, row.cut, row.kinds, row.calls)
-            found.append((setting, row.short))
-    return tuple(found)
+            settings.append((setting, row.short))
+    return tuple(settings)
 
 
 def settings_of(engine: str, presets: Iterable[str], own: Iterable[OwnSettings] = ()) -> tuple[Setting, ...]:

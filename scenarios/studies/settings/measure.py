@@ -33,14 +33,14 @@ def entry_of(outcome: Outcome) -> Entry:
 
 def step_of(outcome: Outcome) -> float | None:
     """Return the time step [s] that the engine reports; None where it reports none."""
-    said = number_of(outcome, "dt")
-    return said if said is not None and said > 0.0 else None
+    step = number_of(outcome, "dt")
+    return step if step is not None and step > 0.0 else None
 
 
 def number_of(outcome: Outcome, name: str) -> float | None:
     """Return a setting that the engine reports, if it is a number."""
     settings = outcome.about.get("settings")
-    found = settings.get(name) if isinstance(settings, Mapping) else None
-    said = found[0] if isinstance(found, list | tuple) else found
-    return float(said) if isinstance(said, int | float) else None
+    entry = settings.get(name) if isinstance(settings, Mapping) else None
+    value = entry[0] if isinstance(entry, list | tuple) else entry
+    return float(value) if isinstance(value, int | float) else None
 

@@ -41,7 +41,7 @@ COARSE = 0.25
 class Choice:
     """Cells that are run and cells that are left out, with the estimated time [s] of all that are run."""
 
-    asked: tuple[Cell, ...]
+    requested: tuple[Cell, ...]
     left: tuple[tuple[Cell, float], ...]
     estimated: float
 
@@ -138,9 +138,9 @@ def _tells(cell: Cell, request: Request) -> bool:
         (name, value), = setting.options.items()
         if measure.number_of(base, name) == _number(value):
             return False
-    said, run = base.about.get("unsupported"), f"{setting.engine}/{setting.base}"
+    features, run = base.about.get("unsupported"), f"{setting.engine}/{setting.base}"
     errors = errors_of(cell, request)
-    return not (isinstance(said, Mapping) and set(silenced_metrics(run, said)).intersection(errors))
+    return not (isinstance(features, Mapping) and set(silenced_metrics(run, features)).intersection(errors))
 
 
 def _number(value: object) -> float:
@@ -258,12 +258,12 @@ def known_times(cell: Cell, request: Request) -> Entry | None:
 
 def chosen(cells: Sequence[Cell], request: Request, budget: float) -> Choice:
     """Choose each cell in turn that still fits into `budget` [s]; others are left out, and a cheaper one after them may fit."""
-    asked, left, spent = list[Cell](), list[tuple[Cell, float]](), 0.0
+    requested, left, spent = list[Cell](), list[tuple[Cell, float]](), 0.0
     for cell in cells:
         each = cost(cell, request)
         if spent + each <= budget:
-            asked.append(cell)
+            requested.append(cell)
             spent += each
         else:
             left.append((cell, each))
-    return Choice(tuple(asked), tuple(left), spent)
+    return Choice(tuple(requested), tuple(left), spent)

@@ -21,23 +21,23 @@ TIMES = {
 """Entry of a timed cell -> metric."""
 
 
-def rows_of(cell: Cell, errors: Sequence[str], found: Entry, clocked: Entry | None) -> list[Row]:
+def rows_of(cell: Cell, errors: Sequence[str], entry: Entry, clocked: Entry | None) -> list[Row]:
     """Return a row per error that applies, and per time; or one with the reason where nothing was measured."""
-    setting, values = cell.setting, found["values"]
+    setting, values = cell.setting, entry["values"]
     change = "" if setting.is_preset else setting.name
-    head = Head(NAME, cell.scenario, setting.engine, setting.base, change, copyable(setting), cell.seed, found.get("frames", 0))
-    if found["state"] != "measured":
-        return [head.without(found["state"], found["note"])]
-    silent, rows = silenced_metrics(f"{setting.engine}/{setting.base}", found.get("unsupported", {})), list[Row]()
+    head = Head(NAME, cell.scenario, setting.engine, setting.base, change, copyable(setting), cell.seed, entry.get("frames", 0))
+    if entry["state"] != "measured":
+        return [head.without(entry["state"], entry["note"])]
+    silent, rows = silenced_metrics(f"{setting.engine}/{setting.base}", entry.get("unsupported", {})), list[Row]()
     for metric in dict.fromkeys((*errors, *ALSO)):
         if metric in silent:
             rows.append(head.row(metric, None, silent[metric], status="cannot-say"))
         elif metric in values:
             rows.append(head.row(metric, float(values[metric])))
-        elif metric in found["missing"]:
-            rows.append(head.row(metric, None, found["missing"][metric]))
-    if found.get("step") is not None:
-        rows.append(head.row("time_step", found["step"]))
+        elif metric in entry["missing"]:
+            rows.append(head.row(metric, None, entry["missing"][metric]))
+    if entry.get("step") is not None:
+        rows.append(head.row("time_step", entry["step"]))
     if clocked is None or clocked["p50"] is None:
         return [*rows, head.row("frame_time_p50", None, "not timed" if clocked is None else clocked["note"])]
     return rows + [

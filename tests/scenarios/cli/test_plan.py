@@ -37,8 +37,8 @@ def test_unseen_scenes_are_gated_and_timed_only_by_name(command: str, patterns: 
 def test_a_plan_has_the_catalogue_and_the_seed_of_each_scene() -> None:
     jobs = {job.scenario: job for job in planned("compare", "--filter", "ball_drop,unseen_wall")}
     assert (jobs["ball_drop"].catalogue, jobs["ball_drop"].seed) == (CATALOGUE, 0)
-    assert (jobs["unseen_wall"].catalogue, jobs["unseen_wall"].seed) == (unseen.NAME, seeds.drawn().seed)
-    assert prepare(jobs["unseen_wall"]).scenario.name == "unseen_wall" and origin(jobs.values()) == {"unseen": seeds.drawn().said}
+    assert (jobs["unseen_wall"].catalogue, jobs["unseen_wall"].seed) == (unseen.NAME, seeds.draw().seed)
+    assert prepare(jobs["unseen_wall"]).scenario.name == "unseen_wall" and origin(jobs.values()) == {"unseen": seeds.draw().text}
     chosen = planned("run", "unseen_wall", "--seed", "3", "4")
     assert [job.seed for job in chosen] == [3, 4] and origin(chosen) == {}
     crowds = planned("compare", "--filter", "crowd_*")
@@ -56,16 +56,16 @@ def test_a_scene_of_any_kind_is_found_by_name() -> None:
 def test_the_seed_follows_the_commit_and_without_a_repository_the_code(tmp_path: Path) -> None:
     (tmp_path / "avatarsim").mkdir()
     (tmp_path / "avatarsim" / "a.py").write_text("x = 1\n")
-    plain = seeds.drawn_from(tmp_path)
+    plain = seeds.draw_from(tmp_path)
     assert plain.kind == "code" and plain.seed == int(plain.digits[:7], 16)
     (tmp_path / "avatarsim" / "a.py").write_text("x = 2\n")
-    found = {plain.seed, seeds.drawn_from(tmp_path).seed}
+    found = {plain.seed, seeds.draw_from(tmp_path).seed}
     git = ["git", "-c", "user.name=n", "-c", "user.email=e@x", "-c", "commit.gpgsign=false"]
     subprocess.run([*git, "init", "-q", "."], cwd=tmp_path, check=True)
     for message in ("one", "two"):
         subprocess.run([*git, "commit", "-q", "--allow-empty", "-m", message], cwd=tmp_path, check=True)
-        drawn = seeds.drawn_from(tmp_path)
-        assert drawn.kind == "commit" and len(drawn.digits) == 40 and drawn.digits in drawn.said
+        drawn = seeds.draw_from(tmp_path)
+        assert drawn.kind == "commit" and len(drawn.digits) == 40 and drawn.digits in drawn.text
         found.add(drawn.seed)
     assert len(found) == 4
 
@@ -75,7 +75,7 @@ def test_a_comparison_has_rows_and_times_with_the_seed_of_each(tmp_path: Path, m
     words = ["compare", "--filter", "ball_drop,unseen_floor", "--engine", "tracker", "avatarsim", "--preset", "default"]
     main([*words, "--jobs", "0", "--frames", "5", "--out", str(tmp_path)])
     found = json.loads((tmp_path / "latest" / "results.json").read_text())
-    drawn = seeds.drawn()
+    drawn = seeds.draw()
     timed = {(row["scenario"], row["seed"]) for row in found["rows"] if row["metric"] == "frame_time_p50"}
     assert {(row["scenario"], row["seed"]) for row in found["rows"]} == timed == {("ball_drop", 0), ("unseen_floor", drawn.seed)}
-    assert found["provenance"]["unseen"] == drawn.said
+    assert found["provenance"]["unseen"] == drawn.text

@@ -72,7 +72,7 @@ def test_a_crowd_is_found_by_its_name_of_any_seed() -> None:
 
 
 def test_the_commits_own_crowds_are_one_of_each_kind() -> None:
-    first = seeds.drawn().seed
+    first = seeds.draw().seed
     assert [name.split("_")[1:] for name in drawn_crowds.scenarios()] == [
         [drawn_crowds.draw(seed).name.split("_")[1], str(seed)] for seed in range(first, first + len(KINDS))
     ]

@@ -19,28 +19,28 @@ def rows(out: Path, folder: str = command.CHECKPOINTS) -> list[dict[str, str]]:
 def test_a_second_run_repeats_nothing_and_writes_the_same(tmp_path: Path, fakes: Fakes) -> None:
     words = [*ASKED, "--out", str(tmp_path)]
     assert main(words) == 0
-    first, asked = rows(tmp_path), len(fakes.asked)
+    first, asked = rows(tmp_path), len(fakes.requested)
     assert asked == len(fakes.timed) >= 11 and {row["status"] for row in first} == {"info"}
     assert main(words) == 0
-    assert len(fakes.asked) == asked == len(fakes.timed) and rows(tmp_path) == first
+    assert len(fakes.requested) == asked == len(fakes.timed) and rows(tmp_path) == first
 
 
 def test_a_new_setting_is_run_alone(tmp_path: Path, fakes: Fakes) -> None:
     main([*ASKED, "--out", str(tmp_path)])
-    fakes.asked.clear()
+    fakes.requested.clear()
     mine = tmp_path / "mine.toml"
     mine.write_text('[mujoco.mine]\npreset = "tuned"\nkappa = 0.1\n')
     assert main([*ASKED, "--out", str(tmp_path), "--settings", str(mine)]) == 0
-    assert fakes.asked == ["stop_distance mine"] and "mine" in {row["change"] for row in rows(tmp_path)}
+    assert fakes.requested == ["stop_distance mine"] and "mine" in {row["change"] for row in rows(tmp_path)}
 
 
 def test_a_run_that_is_stopped_goes_on_where_it_was(tmp_path: Path, fakes: Fakes) -> None:
     fakes.stop_after = 4
-    assert main([*ASKED, "--out", str(tmp_path)]) == STOPPED and len(fakes.asked) == 4
+    assert main([*ASKED, "--out", str(tmp_path)]) == STOPPED and len(fakes.requested) == 4
     fakes.stop_after = 1000
-    before = list(fakes.asked)
+    before = list(fakes.requested)
     assert main([*ASKED, "--out", str(tmp_path)]) == 0
-    assert not set(fakes.asked[4:]) & set(before) and {row["status"] for row in rows(tmp_path)} == {"info"}
+    assert not set(fakes.requested[4:]) & set(before) and {row["status"] for row in rows(tmp_path)} == {"info"}
 
 
 def test_rows_go_into_the_last_comparison(tmp_path: Path, fakes: Fakes) -> None:

@@ -75,7 +75,7 @@ def test_every_engine_that_took_part_is_tried_in_the_cases_of_the_run(tmp_path: 
     assert {one.job.scenario for one in tasks} == {"squeeze"}
     assert {one.job.run for one in tasks} == {"avatarsim/default", "dies/a", "dies/b"}
     assert len(tasks) == len({(one.job.run, one.trial) for one in tasks}) == 3 * len(SHORT)
-    long = replace(request(tmp_path, "tunnelling", avatarsim=("default",)), kept=tmp_path)
+    long = replace(request(tmp_path, "tunnelling", avatarsim=("default",)), checkpoints=tmp_path)
     assert len(tasks_of(long)) == len(trials())
 
 

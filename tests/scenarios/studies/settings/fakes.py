@@ -18,16 +18,16 @@ class Fakes:
     """Fake passes: a timed cell takes `each` s of `time`; preset `dead` has no times; a user stops after `stop_after` jobs."""
 
     def __init__(self, patch: pytest.MonkeyPatch) -> None:
-        self.asked: list[str] = []
+        self.requested: list[str] = []
         self.timed: list[str] = []
         self.time, self.each, self.dead, self.stop_after = 0.0, 0.0, "", 1000
         patch.setattr(measure, "errors", self.errors)
         patch.setattr(clock, "timed_pass", self.clock)
 
     def errors(self, job: Job) -> Entry:
-        if len(self.asked) == self.stop_after:
+        if len(self.requested) == self.stop_after:
             raise KeyboardInterrupt
-        self.asked.append(f"{job.scenario} {job.preset}")
+        self.requested.append(f"{job.scenario} {job.preset}")
         return {"run": job.run, "state": "measured", "note": "", "frames": 3, "values": VALUES, "missing": {}}
 
     def clock(self, jobs: Sequence[Job], full: bool, plan: Sequence[Round], workers: object) -> list[Clocked]:

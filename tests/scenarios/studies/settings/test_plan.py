@@ -76,17 +76,17 @@ def test_what_does_not_fit_is_left_out_and_a_cheaper_one_after_it_may_fit(tmp_pa
     cells = plan.cells_of(ran)
     for budget in (0.0, 3.0, 20.0, 60.0, 1e6):
         choice = plan.chosen(cells, ran, budget)
-        assert choice.estimated <= budget and len(choice.asked) + len(choice.left) == len(cells)
-        assert sum(plan.cost(cell, ran) for cell in choice.asked) == pytest.approx(choice.estimated)
+        assert choice.estimated <= budget and len(choice.requested) + len(choice.left) == len(cells)
+        assert sum(plan.cost(cell, ran) for cell in choice.requested) == pytest.approx(choice.estimated)
         # each omitted setting would not have fitted in its turn, so none fits now
         assert all(choice.estimated + each > budget for _, each in choice.left)
-    assert not plan.chosen(cells, ran, 0.0).asked and not plan.chosen(cells, ran, 1e6).left
+    assert not plan.chosen(cells, ran, 0.0).requested and not plan.chosen(cells, ran, 1e6).left
     # the budget is enough for the first cheap setting, and not for a more expensive one before it
     costs = [plan.cost(cell, ran) for cell in cells]
     dear = next(k for k, each in enumerate(costs) if each > min(costs[k + 1 :]))
     cheap = next(k for k in range(dear + 1, len(costs)) if costs[k] < costs[dear])
     some = plan.chosen(cells, ran, sum(costs[:dear]) + costs[cheap])
-    assert cells[cheap] in some.asked and cells[dear] in [cell for cell, _ in some.left]
+    assert cells[cheap] in some.requested and cells[dear] in [cell for cell, _ in some.left]
 
 
 def test_what_the_run_measured_is_not_asked_again(tmp_path: Path, fakes: Fakes) -> None:
@@ -102,7 +102,7 @@ def test_what_the_run_measured_is_not_asked_again(tmp_path: Path, fakes: Fakes) 
     }
     rows, troubles = ask.Sweep(request(tmp_path, outcomes=known, clocked=timed), now=lambda: 0.0).ask()
     assert troubles == []
-    assert not {"stop_distance default", "stop_distance tuned"} & set(fakes.asked) and len(fakes.asked) >= 8
+    assert not {"stop_distance default", "stop_distance tuned"} & set(fakes.requested) and len(fakes.requested) >= 8
     # the second preset was timed over different frames than all the others
     assert "stop_distance default" not in fakes.timed and "stop_distance tuned" in fakes.timed
     found = {row.preset: row.value for row in rows if row.metric == "frame_time_p50" and not row.change}
@@ -120,7 +120,7 @@ def test_a_preset_beside_the_grid_takes_part_where_it_ran_with_the_times_of_the_
     found = [row for row in rows if row.preset == "sleeping" and row.metric == "frame_time_p50"]
     assert [(row.scenario, row.value, row.options) for row in found] == [
         ("stack_ten", 7.0, "--engine mujoco --preset sleeping")]
-    assert "stack_ten sleeping" not in fakes.asked + fakes.timed
+    assert "stack_ten sleeping" not in fakes.requested + fakes.timed
 
 
 def test_what_was_left_out_is_a_row_that_says_so(tmp_path: Path, fakes: Fakes) -> None:
@@ -128,7 +128,8 @@ def test_what_was_left_out_is_a_row_that_says_so(tmp_path: Path, fakes: Fakes) -
     rows, _ = ask.Sweep(request(tmp_path, outcomes=known), budget=20.0, now=lambda: 0.0).ask()
     left = [row for row in rows if row.status == "not-measured"]
     assert left and {row.metric for row in left} == {"run"}
-    assert not {row.change.replace("/", "_").replace(" ", ".") for row in left} & {one.partition(" ")[2] for one in fakes.asked}
+    assert not {row.change.replace("/", "_").replace(" ", ".") for row in left} & {
+        one.partition(" ")[2] for one in fakes.requested}
 
 
 def test_what_the_estimate_left_of_the_budget_is_spent(tmp_path: Path, fakes: Fakes) -> None:
@@ -137,7 +138,7 @@ def test_what_the_estimate_left_of_the_budget_is_spent(tmp_path: Path, fakes: Fa
     ran = ask.Sweep(request(tmp_path, outcomes=known), budget=20.0, now=lambda: fakes.time)
     ran.ask()
     first = plan.chosen(plan.cells_of(ran.request), ran.request, ask.FIRST * ran.budget)
-    assert ran.rounds > 1 and len(ran.errors) > len(first.asked)
+    assert ran.rounds > 1 and len(ran.errors) > len(first.requested)
     assert fakes.time <= ran.budget
 
 
