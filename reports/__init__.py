@@ -55,18 +55,18 @@ def _judged(folder: Path, before: Path | None, baseline: Path | None, written: i
     from reports.tables.losses import losses
     from reports.tables.run import read
 
-    run, found = read(folder), []
+    run, comparisons = read(folder), []
     if before is not None:
         try:
-            found.append(changes(read(before), run))
+            comparisons.append(changes(read(before), run))
         except InvalidFile:
             # an older layout is no reason to have no report
             pass
     if baseline is not None and baseline.exists():
-        kept = load(baseline)
-        if kept.scenario.isin(run.rows.scenario).any():
-            found.append(against_baseline(kept, run, "baseline"))
-    return Judged(run, checks(run), found, losses(run))
+        stored = load(baseline)
+        if stored.scenario.isin(run.rows.scenario).any():
+            comparisons.append(against_baseline(stored, run, "baseline"))
+    return Judged(run, checks(run), comparisons, losses(run))
 
 
 def write_report(folder: Path, before: Path | None = None, baseline: Path | None = None) -> tuple[str, ...]:
@@ -75,20 +75,20 @@ def write_report(folder: Path, before: Path | None = None, baseline: Path | None
     Damaged files of the run cost their scene or section: the pages name them, and so does a sentence each that is returned.
     All pages are made before one of them is replaced. Raises InvalidFile as `judged`; files in the folder then stay as they are.
     """
-    found, damage = judged(folder, before, baseline), list[str]()
-    _replace(folder, _texts(found, damage))
+    verdict, damage = judged(folder, before, baseline), list[str]()
+    _replace(folder, _texts(verdict, damage))
     return tuple(damage)
 
 
-def said(folder: Path, before: Path | None = None, baseline: Path | None = None) -> str:
+def terminal_summary(folder: Path, before: Path | None = None, baseline: Path | None = None) -> str:
     """Return the summary of a run for a terminal. Raises InvalidFile as `judged`."""
     from reports.summaries.text import terminal
 
-    found = judged(folder, before, baseline)
-    return terminal(found.run, found.checks, found.changes, found.losses)
+    verdict = judged(folder, before, baseline)
+    return terminal(verdict.run, verdict.checks, verdict.changes, verdict.losses)
 
 
-def _texts(found: Judged, damage: list[str]) -> Iterator[tuple[str, str]]:
+def _texts(verdict: Judged, damage: list[str]) -> Iterator[tuple[str, str]]:
     """(path, text) of all files of a report; ``damage`` gets a sentence for each part that is left out."""
     from reports.pages import scripts
     from reports.pages.articles import articles
@@ -99,7 +99,7 @@ def _texts(found: Judged, damage: list[str]) -> Iterator[tuple[str, str]]:
     from reports.tables import contact_law, effects, hard_cases, settings
 
     tables: dict[str, pd.DataFrame | None] = {}
-    run = found.run
+    run = verdict.run
     readers = {
         "settings": settings.settings, "cases": hard_cases.by_case, "effects": effects.effects, "law": contact_law.contact_law,
     }
@@ -110,30 +110,30 @@ def _texts(found: Judged, damage: list[str]) -> Iterator[tuple[str, str]]:
             tables[name] = None
             damage.append(str(error).replace(f"{run.folder}/", ""))
     tried = tables["settings"]
-    shown = telling(found, [] if tried is None else list(dict.fromkeys(tried.scenario)))
+    shown = telling(verdict, [] if tried is None else list(dict.fromkeys(tried.scenario)))
     stills, instants, replayed = {}, {}, list[str]()
     for name, text, played in scene_pages(run, frozenset(shown)):
         stills[name], instants[name] = played.stills, played.instants
         replayed += [name] * (played.replay is not None)
-        damage += [f"{name}: {said}" for said in played.damage]
+        damage += [f"{name}: {fault}" for fault in played.damage]
         yield f"scenes/{name}.html", text
     for name, text in scripts.libraries().items():
         yield f"{scripts.LIBRARIES}/{name}", text
-    beside = articles(run)
-    yield from beside.items()
-    yield JUNIT, junit(found.checks)
-    yield SUMMARY, markdown(run, found.checks, found.changes, found.losses, damage)
+    pages = articles(run)
+    yield from pages.items()
+    yield JUNIT, junit(verdict.checks)
+    yield SUMMARY, markdown(run, verdict.checks, verdict.changes, verdict.losses, damage)
     files = [name for name in FILES if name == SUMMARY or (run.folder / name).exists()]
-    files += beside.keys() & {"bench.html"}
+    files += pages.keys() & {"bench.html"}
     # those since the last run; of a first run those since the baseline
-    changes = next(iter(found.changes), None)
+    changes = next(iter(verdict.changes), None)
     pictures = {name: one for name in shown if (one := stills[name])}
-    yield PAGE, page(run, found.checks, changes, tables, found.losses, pictures, replayed, instants, damage, files)
+    yield PAGE, page(run, verdict.checks, changes, tables, verdict.losses, pictures, replayed, instants, damage, files)
 
 
-def telling(found: Judged, scenes: Sequence[str]) -> list[str]:
+def telling(verdict: Judged, scenes: Sequence[str]) -> list[str]:
     """Return the scenes whose stills are shown: everyday ones, then avatars, then those in which other engines overlap most."""
-    run = found.run
+    run = verdict.run
     rows = run.rows[(run.rows.metric == "residual_overlap_max") & run.rows.run.isin(run.runs)]
     rows = rows[rows.scenario.isin(scenes or run.rows.scenario)]
     others = rows[~rows.run.str.startswith(("tracker/", run.gated.partition("/")[0] + "/"))]

@@ -50,15 +50,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if chosen.command == "diff":
             new = read(chosen.new)
             if chosen.base.suffix == ".csv":
-                found = against_baseline(baseline.load(chosen.base), new, str(chosen.base))
+                differences = against_baseline(baseline.load(chosen.base), new, str(chosen.base))
             else:
-                found = changes(read(chosen.base), new)
-            print("\n".join(changed_lines(found)))
-            return 1 if found.count("worse") else 0
+                differences = changes(read(chosen.base), new)
+            print("\n".join(changed_lines(differences)))
+            return 1 if differences.count("worse") else 0
         if chosen.command == "write":
             damage = write_report(chosen.run, chosen.before)
-            for said in damage:
-                print(f"reports: left out, since it cannot be used: {said}", file=sys.stderr)
+            for fault in damage:
+                print(f"reports: left out, since it cannot be used: {fault}", file=sys.stderr)
             print(chosen.run / PAGE)
             return 2 if damage else 0
         if chosen.command == "baseline":

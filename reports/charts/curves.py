@@ -93,11 +93,11 @@ def over_time(
     per point would be most of the page.
     """
     columns = {}
-    for run, (times, found) in lines.items():
-        kept = [k for k in _kept(found) if math.isfinite(found[k])]
+    for run, (times, values) in lines.items():
+        indices = [k for k in _shown_indices(values) if math.isfinite(values[k])]
         columns[run] = {
-            "engine": run.partition("/")[0], "label": run_label(run), "t": [float(f"{times[k]:.5g}") for k in kept],
-            "v": [float(f"{found[k] if floor is None else max(found[k], floor):.4g}") for k in kept],
+            "engine": run.partition("/")[0], "label": run_label(run), "t": [float(f"{times[k]:.5g}") for k in indices],
+            "v": [float(f"{values[k] if floor is None else max(values[k], floor):.4g}") for k in indices],
         }
     axis = marks.BARE | APART | {"tickCount": 5}
     if unit in ("m", "us"):
@@ -133,7 +133,7 @@ def _dash(dashed: Mapping[str, Sequence[int]]) -> Spec:
     return name("run", legend=None, scale={"domain": list(dashed), "range": [list(one) for one in dashed.values()]})
 
 
-def _kept(values: Array) -> Sequence[int]:
+def _shown_indices(values: Array) -> Sequence[int]:
     """Return the indices of at most POINTS values: the largest of each stretch, so that no peak is lost."""
     if len(values) <= POINTS:
         return range(len(values))

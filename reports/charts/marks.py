@@ -88,8 +88,8 @@ def coloured(spec: Spec, colours: Mapping[str, str]) -> Spec:
     text = json.dumps(spec)
     for token, colour in colours.items():
         text = text.replace(f'"@{token}"', json.dumps(colour))
-    found: Spec = json.loads(text)
-    return found
+    filled: Spec = json.loads(text)
+    return filled
 
 
 def place_of(scene: str) -> float:

@@ -63,6 +63,6 @@ def stills(scene: Drawn, shown: Sequence[Shown], gated: str, turn: float) -> Sti
         label, caption = run_label(one.run), f"overlap {quantity(deepest, 'm', 2)}, at most {quantity(ever, 'm', 2)}"
         text = f"{label} at {float(one.times[state]):.3g} s, {caption}."
         marked = replace(scene, bodies=bodies)
-        drawn = thumbnail(marked, one, state, turn, text, view) if np.isfinite(one.positions[state]).any() else ""
-        made.append((label, drawn, caption))
+        picture = thumbnail(marked, one, state, turn, text, view) if np.isfinite(one.positions[state]).any() else ""
+        made.append((label, picture, caption))
     return Stills(float(main.times[state]), made)

@@ -26,9 +26,9 @@ ELEVATION = 0.4
 """Angle [rad] from which the eye looks down, as the replay does when it opens."""
 LEAST_OFFSET = 0.01
 """Distance [m] from which the place of a tracked link is drawn as a ghost: nearer ones cannot be told from what is shown."""
-MOST_FIXED = 60
+MAX_FIXED = 60
 """Fixed pieces drawn at most, the largest in the picture: a room of two hundred plates is no clearer for all of them."""
-MOST_FACES = 12
+MAX_FACES = 12
 """Polyhedra with more faces are drawn as one outline: their faces are too small to be told apart in a picture of 150 px."""
 LIGHT = np.array([0.35, 0.5, 0.79]) / math.sqrt(0.35**2 + 0.5**2 + 0.79**2)
 """Direction to the light in the picture's own axes: right, towards the eye, up."""
@@ -142,7 +142,7 @@ def _order(pieces: list[Piece], axes: Array, towards: Array, view: View) -> list
         return float(np.maximum(span, 0.0).prod())
 
     areas = [(area(piece), piece) for piece in pieces if piece.role == "fixed"]
-    fixed = sorted((one for one in areas if one[0] > 0.0), key=lambda one: -one[0])[:MOST_FIXED]
+    fixed = sorted((one for one in areas if one[0] > 0.0), key=lambda one: -one[0])[:MAX_FIXED]
     moving = [piece for piece in pieces if piece.role not in ("fixed", "ghost")]
     moving.sort(key=lambda piece: float(piece.corners.mean(axis=0) @ towards))
     return [piece for _, piece in fixed] + moving + [piece for piece in pieces if piece.role == "ghost"]
@@ -151,7 +151,7 @@ def _order(pieces: list[Piece], axes: Array, towards: Array, view: View) -> list
 def _marks(piece: Piece, axes: Array, towards: Array, view: View) -> list[str]:
     """Return the paths of one piece: the faces that look towards the eye, or its outline where it is round or has many."""
     letter = piece.role[0]
-    if letter == "g" or not 0 < len(piece.faces) <= MOST_FACES:
+    if letter == "g" or not 0 < len(piece.faces) <= MAX_FACES:
         return [_path("g" if letter == "g" else f"{letter}2", piece.outline(axes), view)]
     marks = []
     for face, normal in zip(piece.faces, piece.normals, strict=True):
@@ -167,21 +167,21 @@ def _path(style: str, points: Array, view: View) -> str:
     spots = (points - view[0]) * view[1]
     spots[:, 1] = HEIGHT - spots[:, 1]
     whole = np.rint(_cut(spots)).astype(int).tolist()
-    kept = [spot for k, spot in enumerate(whole) if spot != whole[k - 1]]
-    text = "".join(f"{'L' if k else 'M'}{x},{y}" for k, (x, y) in enumerate(kept))
-    return f'<path class="{style}" d="{text}Z"/>' if len(kept) > 1 else ""
+    distinct = [spot for k, spot in enumerate(whole) if spot != whole[k - 1]]
+    text = "".join(f"{'L' if k else 'M'}{x},{y}" for k, (x, y) in enumerate(distinct))
+    return f'<path class="{style}" d="{text}Z"/>' if len(distinct) > 1 else ""
 
 
 def _cut(polygon: Array) -> Array:
     """Return a convex polygon (k, 2) cut a little outside of the picture (Sutherland and Hodgman 1974): no renderer draws
     the corners of a floor of a kilometre exactly."""
     for axis, limit, sign in ((0, -8.0, 1.0), (0, WIDTH + 8.0, -1.0), (1, -8.0, 1.0), (1, HEIGHT + 8.0, -1.0)):
-        inside, kept = sign * (polygon[:, axis] - limit), list[Array]()
+        inside, clipped = sign * (polygon[:, axis] - limit), list[Array]()
         for k in range(len(polygon)):
             last = inside[k - 1]
             if (last < 0.0) != (inside[k] < 0.0):
-                kept.append(polygon[k - 1] + (polygon[k] - polygon[k - 1]) * (last / (last - inside[k])))
+                clipped.append(polygon[k - 1] + (polygon[k] - polygon[k - 1]) * (last / (last - inside[k])))
             if inside[k] >= 0.0:
-                kept.append(polygon[k])
-        polygon = np.array(kept).reshape(-1, 2)
+                clipped.append(polygon[k])
+        polygon = np.array(clipped).reshape(-1, 2)
     return polygon

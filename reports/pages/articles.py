@@ -30,7 +30,7 @@ BENCHES: Mapping[str, str] = {
 }
 """Files of benchmarks that a run folder may hold, and their titles."""
 
-MOST_ROWS = 60
+MAX_ROWS = 60
 """Rows of a benchmark on the page; the file has all."""
 
 
@@ -63,8 +63,8 @@ def _judge(folder: Path) -> dict[str, Any] | None:
     if not path.exists():
         return None
     try:
-        found: Any = read_json(path, str(path), "the whole file that one command wrote", MOST_BYTES)
-        whole = found["all"]
+        content: Any = read_json(path, str(path), "the whole file that one command wrote", MOST_BYTES)
+        whole = content["all"]
         error = quantity(float(whole["largest_depth_error"]), "m")
         return {"pairs": f"{whole['pairs']:,}", "error": error, "misses": whole["misses"], "alarms": whole["false_alarms"]}
     except (InvalidFile, KeyError, TypeError, ValueError, OverflowError):
@@ -72,17 +72,17 @@ def _judge(folder: Path) -> dict[str, Any] | None:
 
 
 def _engines(run: Run) -> str:
-    found: dict[str, dict[str, Any]] = {}
+    by_engine: dict[str, dict[str, Any]] = {}
     for note in run.results.engines:
         name = note.run.partition("/")[0]
-        entry = found.setdefault(name, {"version": note.version, "features": {}, "presets": {}})
-        for feature, said in note.unsupported.items():
-            entry["features"].setdefault(feature, said)
+        entry = by_engine.setdefault(name, {"version": note.version, "features": {}, "presets": {}})
+        for feature, consequence in note.unsupported.items():
+            entry["features"].setdefault(feature, consequence)
         # show the settings of a preset in an everyday scene, where it ran one
-        kept, everyday = entry["presets"].get(note.run), run.results.everyday
-        if note.settings and (kept is None or (note.scenario in everyday and kept["scene"] not in everyday)):
+        known, everyday = entry["presets"].get(note.run), run.results.everyday
+        if note.settings and (known is None or (note.scenario in everyday and known["scene"] not in everyday)):
             entry["presets"][note.run] = {"scene": note.scenario, "settings": note.settings}
-    return _rendered("engines.html.j2", "Engines and settings", engines=found)
+    return _rendered("engines.html.j2", "Engines and settings", engines=by_engine)
 
 
 def _bench(folder: Path, names: Sequence[str]) -> str:
@@ -92,8 +92,8 @@ def _bench(folder: Path, names: Sequence[str]) -> str:
             table = pd.read_csv(folder / name)
         except (ValueError, pd.errors.ParserError, UnicodeDecodeError):
             continue
-        rows = [[_cell(value) for value in row] for row in table.head(MOST_ROWS).itertuples(index=False)]
-        more = max(0, len(table) - MOST_ROWS)
+        rows = [[_cell(value) for value in row] for row in table.head(MAX_ROWS).itertuples(index=False)]
+        more = max(0, len(table) - MAX_ROWS)
         tables.append({"title": BENCHES[name], "file": name, "columns": list(table.columns), "rows": rows, "more": more})
     return _rendered("bench.html.j2", "Benchmarks", tables=tables)
 

@@ -103,7 +103,7 @@ def verdict(checks: Checks) -> str:
 
 def by_scene(settings: pd.DataFrame, run: Run) -> dict[str, list[dict[str, Any]]]:
     """Return the settings of each scene for the page's script; an error of null does not follow its user."""
-    found: dict[str, list[dict[str, Any]]] = {}
+    grouped: dict[str, list[dict[str, Any]]] = {}
     for row in settings.itertuples():
         named = {name: getattr(row, name) for name in ("error", "median", "p95", "slowest")}
         numbers = {name: value if math.isfinite(value) else None for name, value in named.items()}
@@ -111,13 +111,13 @@ def by_scene(settings: pd.DataFrame, run: Run) -> dict[str, list[dict[str, Any]]
         shown |= {name: quantity(numbers[name], "us") for name in ("median", "p95", "slowest")}
         flags = {name: bool(getattr(row, name)) for name in ("preset", "asleep", "measured", "few")}
         loads, words = preset_words(run, row.scenario, f"{row.engine}/{row.base}")
-        found.setdefault(row.scenario, []).append({
+        grouped.setdefault(row.scenario, []).append({
             "engine": row.engine, "label": about(row.engine).label, "setting": row.setting, "base": row.base,
             "step": None if math.isnan(row.step) else round(row.step), "worst": label(row.worst) if row.worst else "",
             "loads": loads, "native": "\n".join(words) if row.preset else row.native, "alone": bool(row.alone or row.preset),
             "options": row.options, "avatar": row.scenario in run.avatars, **numbers, **flags, "shown": shown,
         })
-    return found
+    return grouped
 
 
 def first_scene(settings: pd.DataFrame) -> str:

@@ -15,7 +15,7 @@ from avatarsim.player import three_js
 from reports.charts import curves, marks
 from reports.drawing.stills import Stills, stills
 from reports.pages import scripts
-from reports.reading.kept import Drawn, Shown, drawn, shown
+from reports.reading.kept import Drawn, Shown, read_scene, shown
 from reports.replay.courses import MEASURES, courses
 from reports.replay.moments import instants
 from reports.replay.scene import replay
@@ -98,31 +98,31 @@ def _made(task: Task) -> tuple[str, str, Played]:
 
 
 def _played(run: Run, name: str, rows: pd.DataFrame, seed: int, with_stills: bool) -> Played:
-    dt, found = run.results.frame_times.get(name, 1.0 / 60.0), Played()
+    dt, played = run.results.frame_times.get(name, 1.0 / 60.0), Played()
     series = {one: own for one, own in run.results.series.get(name, {}).items() if not _stands_in(one)}
     runs = [one for one in dict.fromkeys([*series, *rows.run]) if not _stands_in(one)]
-    scene, recorded = _files(run.folder, name, runs, seed, found.damage)
+    scene, recorded = _files(run.folder, name, runs, seed, played.damage)
     by_run = {one.run: one for one in recorded}
     try:
-        found.replay = scene and replay(
+        played.replay = scene and replay(
             name, scene, recorded, run.gated, {one: own.overlap for one, own in series.items()}
         )
-        scripts.data(found.replay)
-        found.instants = instants(by_run[run.gated], scene) if run.gated in by_run else {}
+        scripts.data(played.replay)
+        played.instants = instants(by_run[run.gated], scene) if run.gated in by_run else {}
         main = [by_run[one] for one in run.runs if one in by_run and not about(one.partition("/")[0]).baseline]
-        if with_stills and found.replay and scene and main:
-            found.stills = stills(scene, main, run.gated, found.replay["eye"]["azimuth"])
+        if with_stills and played.replay and scene and main:
+            played.stills = stills(scene, main, run.gated, played.replay["eye"]["azimuth"])
         lines = courses(series, recorded, scene, dt)
     except UNDRAWABLE as error:
-        found.damage.append(f"a recording cannot be drawn ({type(error).__name__}: {error})")
-        found.replay, lines = None, courses(series, (), None, dt)
-    found.lines = curves.dashes([one for one in runs if any(one in by_measure for by_measure in lines.values())])
-    found.specs = {
-        key: curves.over_time(lines[key], found.lines, unit, f"{title} over time, a line per engine.", floor)
+        played.damage.append(f"a recording cannot be drawn ({type(error).__name__}: {error})")
+        played.replay, lines = None, courses(series, (), None, dt)
+    played.lines = curves.dashes([one for one in runs if any(one in by_measure for by_measure in lines.values())])
+    played.specs = {
+        key: curves.over_time(lines[key], played.lines, unit, f"{title} over time, a line per engine.", floor)
         for key, (title, unit, floor) in MEASURES.items()
         if key in lines
     }
-    return found
+    return played
 
 
 def _stands_in(run: str) -> bool:
@@ -140,7 +140,7 @@ def _files(folder: Path, name: str, runs: Sequence[str], seed: int, damage: list
             if run:
                 recorded += shown(folder, name, [run], seed, scene)
             else:
-                scene = drawn(folder, name)
+                scene = read_scene(folder, name)
         except InvalidFile as error:
             damage.append(str(error).replace(f"{folder}/", ""))
     return scene, recorded
@@ -175,20 +175,20 @@ def _figures(rows: pd.DataFrame) -> dict[str, dict[str, Any]]:
     """Return the worst row of each run by metric, in the order of the registry: ranked ones first."""
     order = {metric: k for k, metric in enumerate(METRICS)}
     worst = rows[rows.measured].sort_values("value", na_position="last").drop_duplicates(["run", "metric"], keep="last")
-    found: dict[str, dict[str, Any]] = {
+    figures: dict[str, dict[str, Any]] = {
         metric: {} for metric in sorted(worst.metric.unique(), key=lambda one: (one not in METRICS, order.get(one, 0), one))
     }
     for row in worst.itertuples():
-        found[row.metric][row.run] = row
-    return found
+        figures[row.metric][row.run] = row
+    return figures
 
 
 def _settings(run: Run, name: str, seed: int) -> list[dict[str, Any]]:
     """Return settings in force, and files in each engine's own words."""
-    found: dict[str, dict[str, Any]] = {}
+    by_run: dict[str, dict[str, Any]] = {}
     for note in run.results.engines:
-        if note.scenario == name and note.settings and note.run not in found:
+        if note.scenario == name and note.settings and note.run not in by_run:
             files = (written(run.folder, name, note.run, seed), *steps_written(run.folder, name, note.run, seed))
             paths = [f"../{path}" for path in files if path]
-            found[note.run] = {"run": note.run, "version": note.version, "settings": note.settings, "files": paths}
-    return list(found.values())
+            by_run[note.run] = {"run": note.run, "version": note.version, "settings": note.settings, "files": paths}
+    return list(by_run.values())

@@ -32,11 +32,11 @@ SNIPPET = "window.vegaEmbed = vegaEmbed;"
 @cache
 def _environment() -> Environment:
     """Return the templates, which know names and figures; text from outside stays text."""
-    found = Environment(
+    env = Environment(
         loader=FileSystemLoader(FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    found.globals |= {"about": about, "run_label": run_label, "label": label, "quantity": quantity, "isfinite": math.isfinite}
-    return found
+    env.globals |= {"about": about, "run_label": run_label, "label": label, "quantity": quantity, "isfinite": math.isfinite}
+    return env
 
 
 def rendered(

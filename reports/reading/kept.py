@@ -57,15 +57,15 @@ class Shown:
     pairs: Sequence[tuple[int, int, int, float]] = ()
 
 
-def drawn(run_dir: Path, scene: str) -> Drawn | None:
+def read_scene(run_dir: Path, scene: str) -> Drawn | None:
     """Read the scene's file; None where the run has none. Raises InvalidFile for one that is damaged or of another layout."""
     path = run_dir / "scenes" / f"{scene}.json"
     if not os.path.exists(path):
         return None
-    found: Any = read_json(path, str(path), WRITTEN)
+    raw: Any = read_json(path, str(path), WRITTEN)
     try:
-        version, bodies, gravity = found["schema_version"], list(found["bodies"]), np.array(found["gravity"], dtype=np.float64)
-        parents = list(found.get("parents", ()))
+        version, bodies, gravity = raw["schema_version"], list(raw["bodies"]), np.array(raw["gravity"], dtype=np.float64)
+        parents = list(raw.get("parents", ()))
     except (ValueError, KeyError, TypeError, OverflowError) as error:
         raise InvalidFile(str(path), f"{type(error).__name__}: {error}", WRITTEN) from error
     if version != SCENE_SCHEMA:
@@ -80,28 +80,28 @@ def drawn(run_dir: Path, scene: str) -> Drawn | None:
         raise InvalidFile(f"pieces in {path}", f"{type(error).__name__}: {error}", WRITTEN) from error
 
 
-def _piece(found: Mapping[str, Any]) -> Piece:
+def _piece(raw: Mapping[str, Any]) -> Piece:
     """Return a piece of a scene's file. Raises InvalidShape, KeyError, TypeError or ValueError for what is none."""
-    match found["kind"]:
+    match raw["kind"]:
         case "sphere":
-            shape: Sphere | Capsule | Box | Ellipsoid | ConvexHull = Sphere(found["radius"])
+            shape: Sphere | Capsule | Box | Ellipsoid | ConvexHull = Sphere(raw["radius"])
         case "capsule":
-            shape = Capsule(found["radius"], found["length"])
+            shape = Capsule(raw["radius"], raw["length"])
         case "box":
-            shape = Box(tuple(found["size"]))
+            shape = Box(tuple(raw["size"]))
         case "ellipsoid":
-            shape = Ellipsoid(tuple(found["radii"]))
+            shape = Ellipsoid(tuple(raw["radii"]))
         case _:
-            shape = ConvexHull(np.array(found["vertices"], dtype=np.float64))
-    return Piece(shape, tuple(found["position"]), tuple(found["orientation"]))
+            shape = ConvexHull(np.array(raw["vertices"], dtype=np.float64))
+    return Piece(shape, tuple(raw["position"]), tuple(raw["orientation"]))
 
 
-def shown(run_dir: Path, scene: str, runs: Sequence[str], seed: int = 0, drawn: Drawn | None = None) -> list[Shown]:
+def shown(run_dir: Path, scene: str, runs: Sequence[str], seed: int = 0, model: Drawn | None = None) -> list[Shown]:
     """Read the recordings of ``runs`` (engine/preset) in a scene, where there are any.
 
-    Raises InvalidFile for one that is damaged, has no state or a time that is no number, or other bodies than those ``drawn``.
+    Raises InvalidFile for one that is damaged, has no state or a time that is no number, or other bodies than ``model``.
     """
-    found = []
+    recordings = []
     for run in runs:
         stem = f"{scene}.{run.replace('/', '.', 1)}.{seed}"
         path = run_dir / "recordings" / f"{stem}.npz"
@@ -112,8 +112,8 @@ def shown(run_dir: Path, scene: str, runs: Sequence[str], seed: int = 0, drawn: 
         states, bodies = stored["positions"].shape[:2]
         if not states or not np.isfinite(stored["times"]).all():
             raise InvalidFile(f"times in recording {path}", "none, or not all finite", WRITTEN)
-        if drawn is not None and bodies != len(drawn.bodies):
-            raise InvalidFile(f"bodies in recording {path}", bodies, f"{len(drawn.bodies)}, as the file of the scene has them")
+        if model is not None and bodies != len(model.bodies):
+            raise InvalidFile(f"bodies in recording {path}", bodies, f"{len(model.bodies)}, as the file of the scene has them")
         pairs = overlapping.read(run_dir, stem, states, bodies)
-        found.append(Shown(run, pairs=pairs, **{name: stored[name] for name in WANTED}))
-    return found
+        recordings.append(Shown(run, pairs=pairs, **{name: stored[name] for name in WANTED}))
+    return recordings

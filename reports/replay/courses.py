@@ -39,18 +39,18 @@ def energy(one: Shown, scene: Drawn) -> Array:
 
 def courses(series: Mapping[str, Series], shown: Sequence[Shown], scene: Drawn | None, dt: float) -> dict[str, Lines]:
     """Return the lines of each measure that an engine has."""
-    found: dict[str, dict[str, tuple[Array, Array]]] = {name: {} for name in MEASURES}
+    by_measure: dict[str, dict[str, tuple[Array, Array]]] = {name: {} for name in MEASURES}
     for run, own in series.items():
         if own.overlap.size:
-            found["overlap"][run] = np.asarray(dt * np.arange(own.overlap.size)), own.overlap
+            by_measure["overlap"][run] = np.asarray(dt * np.arange(own.overlap.size)), own.overlap
         if np.isfinite(own.frame_time).any():
-            found["time"][run] = np.asarray(dt * (1.0 + np.arange(own.frame_time.size))), own.frame_time
+            by_measure["time"][run] = np.asarray(dt * (1.0 + np.arange(own.frame_time.size))), own.frame_time
     for one in shown:
         if one.run.startswith("tracker/"):
             continue
         if count := one.raw_positions.shape[1]:
             apart = np.linalg.norm(one.positions[:, -count:] - one.raw_positions, axis=2)
-            found["offset"][one.run] = one.times, apart.max(axis=1)
+            by_measure["offset"][one.run] = one.times, apart.max(axis=1)
         if scene is not None and any(body["mass"] for body in scene.bodies):
-            found["energy"][one.run] = one.times, energy(one, scene)
-    return {name: lines for name, lines in found.items() if lines}
+            by_measure["energy"][one.run] = one.times, energy(one, scene)
+    return {name: lines for name, lines in by_measure.items() if lines}

@@ -38,7 +38,7 @@ class Moment:
     """A state of a run, counted from 0, and its fault, also in words."""
 
     state: int
-    said: str
+    caption: str
     kind: Kind
 
 
@@ -113,14 +113,14 @@ def moments(one: Shown, depth: Array | None, names: Sequence[str] = ()) -> tuple
     depths = np.zeros(len(one.times)) if depth is None or depth.size != len(one.times) else np.nan_to_num(depth, nan=0.0)
     for frame, _, _, deep in one.pairs:
         depths[frame] = max(depths[frame], deep)
-    seen, found = {Kind.OVERLAP: Look(depths[:, None], LEAST, np.inf, "", ""), **looks(one)}, []
+    seen, chosen = {Kind.OVERLAP: Look(depths[:, None], LEAST, np.inf, "", ""), **looks(one)}, []
     for kind in (one for one in Kind if one in seen):
         look = seen[kind]
         state, link = np.unravel_index(int(np.argmax(look.figures)), look.figures.shape)
         if look.figures[state, link] > look.least:
-            said = kind.value.format(name=called(int(link), names), figure=look.text(look.figures[state, link], kind))
-            found.append(Moment(int(state), said, kind))
-    return tuple(found)
+            text = kind.value.format(name=called(int(link), names), figure=look.text(look.figures[state, link], kind))
+            chosen.append(Moment(int(state), text, kind))
+    return tuple(chosen)
 
 
 def called(link: int, names: Sequence[str]) -> str:
@@ -170,12 +170,12 @@ def _joints(one: Shown, parents: Sequence[int | None]) -> Array:
 
 def remarks(one: Shown, step: int) -> list[tuple[int, str]]:
     """Return (drawn state, words) of visible reversals, jumps, distances and turns, the worst of each ``step`` states."""
-    found: dict[int, list[str]] = {}
+    by_state: dict[int, list[str]] = {}
     for kind, look in looks(one).items():
         worst = np.maximum.reduceat(look.figures.max(axis=1), np.arange(0, len(look.figures), step))
         for state in np.flatnonzero(worst > look.seen).tolist():
-            found.setdefault(state, []).append(look.remark.format(look.text(worst[state], kind)))
-    return [(state, ", ".join(said)) for state, said in sorted(found.items())]
+            by_state.setdefault(state, []).append(look.remark.format(look.text(worst[state], kind)))
+    return [(state, ", ".join(texts)) for state, texts in sorted(by_state.items())]
 
 
 def address(time: float) -> str:

@@ -15,9 +15,9 @@ from runfiles.engines import about, run_label
 
 SEEN = 1e-6
 """Depth [m] from which a pair is marked, the bound on what may be shown."""
-MOST_FRAMES = 600
+MAX_FRAMES = 600
 """States drawn per engine at most: ten seconds; longer scenes leave out states evenly."""
-MOST_BYTES = 1_600_000
+MAX_BYTES = 1_600_000
 """Bytes of all poses of a page before they become text (a third more): a page stays below 2.5 MB."""
 BYTES_PER_POSE = 14
 """Three places and four parts of a quaternion, 16 bits each."""
@@ -30,7 +30,7 @@ AZIMUTHS = (-60.0, -30.0, -120.0, -90.0, 60.0, 120.0, 0.0, 180.0, 30.0, 150.0)
 def stride(frames: Sequence[int], moving: int) -> int:
     """Return every how many-th state is drawn, for engines with so many ``frames`` and ``moving`` bodies each."""
     bytes_all = sum(frames) * moving * BYTES_PER_POSE
-    return max(1, math.ceil(bytes_all / MOST_BYTES), math.ceil(max(frames, default=1) / MOST_FRAMES))
+    return max(1, math.ceil(bytes_all / MAX_BYTES), math.ceil(max(frames, default=1) / MAX_FRAMES))
 
 
 def replay(
@@ -74,7 +74,7 @@ def _view(
 ) -> payload.View:
     """Return the view of an engine, which draws every ``step``-th state."""
     pairs, bodies = _pairs(one, step), scene.bodies
-    captions = {state: (payload.MOVES, f"no overlap; {said}") for state, said in remarks(one, step)}
+    captions = {state: (payload.MOVES, f"no overlap; {text}") for state, text in remarks(one, step)}
     for state, ((first, second, deep), *_) in pairs.items():
         inner, outer = (second, first) if bodies[first]["role"] == "fixed" else (first, second)
         captions[state] = payload.OVERLAP, f"{quantity(deep, 'm')}: {bodies[inner]['name']} in {bodies[outer]['name']}"
@@ -83,7 +83,7 @@ def _view(
         run_label(one.run), about(one.run.partition("/")[0]).both,
         payload.Poses(one.positions[::step][:, moving], one.orientations[::step][:, moving]), captions,
         {state: [pair[:2] for pair in of] for state, of in pairs.items()},
-        [payload.Moment(found.state // step, f"{found.said}, at {one.times[found.state]:.4g} s") for found in worst],
+        [payload.Moment(moment.state // step, f"{moment.caption}, at {one.times[moment.state]:.4g} s") for moment in worst],
     )
 
 
@@ -93,12 +93,12 @@ def _pairs(one: Shown, step: int) -> dict[int, list[tuple[int, int, float]]]:
     for frame, first, second, depth in one.pairs:
         if depth > SEEN:
             states.setdefault(frame, []).append((first, second, depth))
-    found = dict[int, list[tuple[int, int, float]]]()
+    by_state = dict[int, list[tuple[int, int, float]]]()
     for frame, pairs in states.items():
-        known = found.get(frame // step)
+        known = by_state.get(frame // step)
         if known is None or pairs[0][2] > known[0][2]:
-            found[frame // step] = pairs
-    return found
+            by_state[frame // step] = pairs
+    return by_state
 
 
 def opening(engines: Sequence[Shown], worst: Mapping[str, Sequence[Moment]], ours: str, step: int) -> int:

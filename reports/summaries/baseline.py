@@ -15,9 +15,9 @@ COLUMNS = ["scenario", "run", "metric", "unit", "value"]
 def text(run: Run) -> str:
     """Return the file of a run: watched metrics of the gated engine to three digits; more are the machine's."""
     table = figures(run)
-    kept = table[(table.run == run.gated) & table.metric.map(lambda name: METRICS[name].watched)]
-    kept = kept[kept.value < float("inf")].sort_values(["scenario", "metric"])
-    rounded = kept.assign(value=[f"{value:.3g}" for value in kept.value])
+    watched = table[(table.run == run.gated) & table.metric.map(lambda name: METRICS[name].watched)]
+    watched = watched[watched.value < float("inf")].sort_values(["scenario", "metric"])
+    rounded = watched.assign(value=[f"{value:.3g}" for value in watched.value])
     return str(rounded[COLUMNS].to_csv(index=False, lineterminator="\n"))
 
 

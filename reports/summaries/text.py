@@ -73,28 +73,28 @@ def blocks(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.Data
     missing = [f"{row.scenario:<24}{run_label(row.run):<18}{_lacking(row)}" for row in lacking]
     waived = [_line(row, f"{_limit(row)}, waived to {quantity(row.waiver, row.unit)}") for row in checks.waived.itertuples()]
     titled = (("failed", failed), ("not measured", missing), ("known exceptions", waived))
-    found = [(title, _cut(lines)) for title, lines in titled if lines]
+    filled = [(title, _cut(lines)) for title, lines in titled if lines]
     for change in changes:
         own = change.of(run.gated)
         lines = [f"{row.verdict:<8}{row.scenario:<24}{label(row.metric):<30}{_step(row)}" for row in own.table.itertuples()]
-        found.append((f"since {own.since}: {own.count('worse')} worse, {own.count('better')} better", _cut(lines)))
+        filled.append((f"since {own.since}: {own.count('worse')} worse, {own.count('better')} better", _cut(lines)))
     room = [_line(row, _limit(row)) for row in least_room(checks).itertuples()]
     lost = [
         f"{row.lost:>3} of {row.scenes:<4}{row.label:<32}{_value(row.own, row.unit):>10} against "
         f"{_value(row.best, row.unit)} ({row.run}, {row.scene})"
         for row in losses[losses.lost > 0].head(LOSSES).itertuples()
     ]
-    return found + [(title, lines) for title, lines in (("least room", room), ("another engine is better in", lost)) if lines]
+    return filled + [(title, lines) for title, lines in (("least room", room), ("another engine is better in", lost)) if lines]
 
 
-def changed_lines(found: Changes) -> list[str]:
+def changed_lines(changes: Changes) -> list[str]:
     """Return all changes, one a line, worse ones first."""
-    lines = [f"worse {found.count('worse')}, better {found.count('better')}"]
-    for row in found.table.itertuples():
+    lines = [f"worse {changes.count('worse')}, better {changes.count('better')}"]
+    for row in changes.table.itertuples():
         sure = f" (×{row.low:.2f} to ×{row.high:.2f})" if row.low == row.low else ""
         lines.append(f"{row.verdict:<8}{row.scenario}  {row.run}  {row.metric}: {_step(row).strip()}{sure}")
-    lines += [f"gone    {name}" for name in found.gone] + [f"new     {name}" for name in found.added]
-    return [*lines, f"times not compared: {found.no_times}"] if found.no_times else lines
+    lines += [f"gone    {name}" for name in changes.gone] + [f"new     {name}" for name in changes.added]
+    return [*lines, f"times not compared: {changes.no_times}"] if changes.no_times else lines
 
 
 def terminal(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.DataFrame) -> str:
@@ -116,7 +116,7 @@ def markdown(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.Da
     """Return summary.md."""
     info = run.results.provenance
     lines = [f"## {headline(checks).replace('  ', ': ', 1)}", "", *table(run), "", foot(run)]
-    lines += [f"Left out: {said}" for said in damage]
+    lines += [f"Left out: {fault}" for fault in damage]
     for title, content in blocks(run, checks, changes, losses):
         lines += ["", f"**{title}**", *(["```", *content, "```"] if content else [])]
     refused = ", ".join(sorted(set(checks.refused.scenario)))

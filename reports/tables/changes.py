@@ -77,8 +77,8 @@ def changes(old: Run, new: Run) -> Changes:
     """Compare two runs."""
     no_times = _why_no_times(old.results.provenance, new.results.provenance)
     timed = [name for name in RANKED if name.startswith("frame_time_") and (no_times or name not in PERCENTILES)]
-    before, after = (found[~found.metric.isin(timed)] for found in map(figures, (old, new)))
-    runs_before, runs_after = (set(found.scenario + " " + found.run) for found in (before, after))
+    before, after = (rows[~rows.metric.isin(timed)] for rows in map(figures, (old, new)))
+    runs_before, runs_after = (set(rows.scenario + " " + rows.run) for rows in (before, after))
     both = before.merge(after, on=KEYS, how="left", suffixes=("_old", "_new"))
     both = both[both.value_new.notna() | (both.scenario + " " + both.run).isin(runs_after)]
 
@@ -107,13 +107,13 @@ def against_baseline(baseline: pd.DataFrame, run: Run, name: str) -> Changes:
 
 def _table(both: pd.DataFrame, judged: Callable[[Any], tuple[str, float, float]]) -> pd.DataFrame:
     """Return the rows that ``judged`` gives a verdict, with the interval of a time."""
-    found = []
+    records = []
     for row in both.itertuples():
         verdict, *interval_of_ratio = judged(row)
         if verdict:
             figures_of_row = (row.unit_old, float(row.value_old), float(row.value_new))
-            found.append((row.scenario, row.run, row.metric, *figures_of_row, verdict, *interval_of_ratio))
-    table = pd.DataFrame(found, columns=COLUMNS)
+            records.append((row.scenario, row.run, row.metric, *figures_of_row, verdict, *interval_of_ratio))
+    table = pd.DataFrame(records, columns=COLUMNS)
     # a list that is cut keeps what is worse, and accuracy before times, of which a busy machine changes many
     table = table.assign(timed=table.metric.isin(PERCENTILES)).sort_values(
         ["verdict", "timed", "scenario"], ascending=[False, True, True], kind="stable"
@@ -131,12 +131,12 @@ def _verdict(row: Any, level: float, share: float) -> str:
 def _of_time(row: Any, old: Run, new: Run, both: pd.DataFrame) -> tuple[str, float, float]:
     """Compare two times: return the verdict, and the interval of their ratio."""
     before, after = (run.results.series.get(row.scenario, {}).get(row.run) for run in (old, new))
-    found = interval(before, after, PERCENTILES[row.metric])
-    if found is None:
+    ratio = interval(before, after, PERCENTILES[row.metric])
+    if ratio is None:
         return "", math.nan, math.nan
     # a loaded machine slows all engines of a scene: divide by their common factor
     shared = _shared(both, row)
-    low, high = (end / shared for end in found)
+    low, high = (end / shared for end in ratio)
     plain = row.value_new / row.value_old if row.value_old > 0.0 else math.inf
     least, most = sorted((plain, plain / shared))
     worse, better = least > TIME_FACTOR and low > 1.0, most * TIME_FACTOR < 1.0 and high < 1.0

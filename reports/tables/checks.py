@@ -77,7 +77,7 @@ def _gaps(run: Run) -> pd.DataFrame:
     return gaps.assign(run=run.gated, seed=0, metric="run", status="not-measured", note="no row in results.json")
 
 
-def least_room(found: Checks, count: int = ROOM) -> pd.DataFrame:
+def least_room(checks: Checks, count: int = ROOM) -> pd.DataFrame:
     """Return the checks that pass nearest to their bound, with the share of it in the column room."""
-    tight = found.passed[found.passed.bound > 0.0]
+    tight = checks.passed[checks.passed.bound > 0.0]
     return tight.assign(room=tight.value / tight.bound).nlargest(count, "room")

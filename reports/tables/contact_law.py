@@ -29,8 +29,8 @@ def contact_law(folder: Path) -> pd.DataFrame | None:
     except ValueError as error:
         raise InvalidFile(f"metric in {folder / f'{STUDY}.csv'}", str(error), "obtained_<coefficient>") from error
     rows = rows.assign(law=rows.scenario.str.partition("_")[0])
-    found = rows.groupby(["law", "run", "stated"], sort=False).apply(_spread, include_groups=False)
-    return found.reset_index() if len(found) else None
+    spreads = rows.groupby(["law", "run", "stated"], sort=False).apply(_spread, include_groups=False)
+    return spreads.reset_index() if len(spreads) else None
 
 
 def _spread(rows: pd.DataFrame) -> pd.Series:

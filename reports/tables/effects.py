@@ -23,7 +23,7 @@ def effects(folder: Path) -> pd.DataFrame | None:
     table = read_study(folder, STUDY)
     if table is None:
         return None
-    found = []
+    records = []
     for scenario, part in table.groupby("scenario", sort=False):
         plain = part[part.change == ""].drop_duplicates("metric").set_index("metric")
         for change, other in part[part.change.str.startswith(WITHOUT)].groupby("change", sort=False):
@@ -33,8 +33,8 @@ def effects(folder: Path) -> pd.DataFrame | None:
                 continue
             held = plain[plain.value <= plain.bound]
             broken = [name for name in held.index if not without.value.get(name, float("nan")) <= held.bound[name]]
-            found.append({
+            records.append({
                 "scenario": scenario, "effect": str(change).removeprefix(WITHOUT), "share": (times[0] - times[1]) / times[0],
                 "with_us": times[0], "without_us": times[1], "broken": broken,
             })
-    return pd.DataFrame(found) if found else None
+    return pd.DataFrame(records) if records else None

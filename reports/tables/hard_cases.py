@@ -25,18 +25,18 @@ def by_case(folder: Path) -> pd.DataFrame | None:
     table = read_study(folder, STUDY)
     if table is None:
         return None
-    found = []
+    records = []
     for (case, run), part in wide(table).groupby(["scenario", "run"], sort=False):
         part = part.reindex(columns=[*part.columns, *(name for name in METRICS if name not in part)])
         broken = part.not_finite_frames > 0.0
         inside = part[(part.wrong_side_frames == 0.0) & (part.not_finite_frames == 0.0)]
-        found.append({
+        records.append({
             "case": case, "run": run, "trials": int(part.not_finite_frames.notna().sum()), "not_finite": int(broken.sum()),
             "left": int((part.wrong_side_frames > 0.0).sum()),
             "drift": _largest(inside.end_distance) if (inside.change == "").any() else math.nan,
             "overlap": _largest(inside.residual_overlap_max), "energy": _largest(inside.energy_added_max),
         })
-    return pd.DataFrame(found)
+    return pd.DataFrame(records)
 
 
 def _largest(values: pd.Series) -> float:

@@ -25,8 +25,8 @@ def losses(run: Run) -> pd.DataFrame:
     rows = rows.assign(value=rows.value / sizes)
     wrong = run.rows[(run.rows.metric == "wrong_side_frames") & ~(run.rows.value <= 0.0)]
     left = set(zip(wrong.scenario, wrong.run, strict=True))
-    found = [_of_metric(part, RANKED[name], run, left) for name, part in rows.groupby("metric", sort=False)]
-    table = pd.DataFrame([one for one in found if one is not None], columns=COLUMNS)
+    parts = [_of_metric(part, RANKED[name], run, left) for name, part in rows.groupby("metric", sort=False)]
+    table = pd.DataFrame([one for one in parts if one is not None], columns=COLUMNS)
     return table.sort_values(["lost", "share"], ascending=False, kind="stable").reset_index(drop=True)
 
 

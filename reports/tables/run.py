@@ -76,12 +76,12 @@ class Run:
     @cached_property
     def versions(self) -> dict[str, str]:
         """Version of each engine of short tables, by its name in words; those of the first scene."""
-        found = dict[str, str]()
+        by_label = dict[str, str]()
         for note in self.results.engines:
             one = about(note.run.partition("/")[0])
             if note.run in self.runs and note.version and not one.baseline:
-                found.setdefault(one.label, note.version)
-        return found
+                by_label.setdefault(one.label, note.version)
+        return by_label
 
     def main_rows(self, metric: str) -> pd.DataFrame:
         """Return the measured rows of a metric of the runs of short tables.
@@ -97,9 +97,9 @@ class Run:
                     other = rows[rows.run == f"{engine}/{name}"].assign(run=f"{engine}/{one.of}", by=name)
                     parts.append(other)
                     gone |= set(zip(other.run, other.scenario, strict=True))
-        kept = [key not in gone for key in zip(main.run, main.scenario, strict=True)]
-        found = pd.concat([main[pd.Series(kept, index=main.index, dtype=bool) | main.even], *parts])
-        return found[~found.duplicated(["run", "scenario", "seed"])]
+        is_left = [key not in gone for key in zip(main.run, main.scenario, strict=True)]
+        joined = pd.concat([main[pd.Series(is_left, index=main.index, dtype=bool) | main.even], *parts])
+        return joined[~joined.duplicated(["run", "scenario", "seed"])]
 
     @property
     def name(self) -> str:

@@ -172,7 +172,7 @@ def _print(options: argparse.Namespace, rows: Sequence[Row], made: Plan, folder:
             print(f"{row.scenario:24} {row.run:20} {row.metric:28} {value}")
     else:
         try:
-            print(table(rows) if folder is None else reports.said(folder, before, reports.BASELINE))
+            print(table(rows) if folder is None else reports.terminal_summary(folder, before, reports.BASELINE))
         except (ImportError, AvatarsimError) as error:
             print(table(rows))
             print(f"the summary was not made: {error}", file=sys.stderr)

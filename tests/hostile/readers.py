@@ -219,7 +219,7 @@ def doors() -> tuple[Door, ...]:
         of_files("results.json", 50.0, FileDoor(run_files("results.json"), damaged_json,
                                                 lambda folder, path: load_results(folder)), slow=True),
         of_files("look of a scene", 25.0, FileDoor(partial(kept_in, "scenes"), damaged_json,
-                                                   lambda folder, path: kept.drawn(folder, valid.SCENE))),
+                                                   lambda folder, path: kept.read_scene(folder, valid.SCENE))),
         of_files("replays", 50.0, FileDoor(partial(kept_in, "recordings", "overlaps"), damaged_zip,
                                            lambda folder, path: kept.shown(folder, valid.SCENE, (valid.RUN,))), slow=True),
         of_files("recording", 25.0, FileDoor(valid.recording, damaged_zip, lambda folder, path: record.load(path)), slow=True),

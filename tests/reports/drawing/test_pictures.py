@@ -11,7 +11,7 @@ import pytest
 
 from reports.drawing.stills import instant, sides, stills
 from reports.drawing.thumbnail import HEIGHT, WIDTH, thumbnail
-from reports.reading.kept import Drawn, Shown, drawn, shown
+from reports.reading.kept import Drawn, Shown, read_scene, shown
 from tests.reports.recorded import STATES, recording, scene
 from tests.reports.small_runs import MUJOCO, OURS
 
@@ -24,7 +24,7 @@ def found(tmp_path: Path) -> Recorded:
     scene(tmp_path, "falls")
     for run in (OURS, MUJOCO):
         recording(tmp_path, "falls", run, sinks=run == MUJOCO)
-    made = drawn(tmp_path, "falls")
+    made = read_scene(tmp_path, "falls")
     assert made is not None
     ours, other = shown(tmp_path, "falls", [OURS, MUJOCO])
     return made, ours, other

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from avatarsim.errors import InvalidFile
-from reports.reading.kept import drawn, shown
+from reports.reading.kept import read_scene, shown
 from runfiles import array_file
 from tests.reports.recorded import AT_ORIGIN, BODIES, STATES, recording, scene
 from tests.reports.small_runs import OURS
@@ -64,18 +64,18 @@ CHANGES = (
 def test_a_file_of_a_scene_that_is_none_is_named(folder: Path, change: dict[str, object]) -> None:
     scene(folder, NAME, **change)
     with pytest.raises(InvalidFile, match=NAME):
-        drawn(folder, NAME)
+        read_scene(folder, NAME)
 
 
 def test_a_recording_fits_its_scene_or_is_refused(folder: Path) -> None:
-    assert shown(folder, NAME, [THEIRS], 0, drawn(folder, NAME))
+    assert shown(folder, NAME, [THEIRS], 0, read_scene(folder, NAME))
     scene(folder, NAME, bodies=[])
     with pytest.raises(InvalidFile, match="bodies"):
-        shown(folder, NAME, [THEIRS], 0, drawn(folder, NAME))
+        shown(folder, NAME, [THEIRS], 0, read_scene(folder, NAME))
     replaced(folder / "recordings" / FILE, "times", np.full(12, np.nan))
     with pytest.raises(InvalidFile, match="times"):
         shown(folder, NAME, [THEIRS])
 
 
 def test_a_scene_without_a_file_is_none(folder: Path) -> None:
-    assert drawn(folder, "no_such_scene") is None and drawn(folder, "x" * 5000) is None
+    assert read_scene(folder, "no_such_scene") is None and read_scene(folder, "x" * 5000) is None

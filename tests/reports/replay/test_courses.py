@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reports.reading.kept import drawn, shown
+from reports.reading.kept import read_scene, shown
 from reports.reading.load import Series
 from reports.replay.courses import MEASURES, courses
 from tests.reports.recorded import STATES, recording, scene
@@ -29,7 +29,7 @@ def test_a_falling_ball_keeps_its_energy_and_a_hand_its_user(tmp_path: Path) -> 
         recording(tmp_path, "falls", run)
     found = shown(tmp_path, "falls", [OURS, MUJOCO, RAW])
     found[1].positions[4, 2] += [0.03, 0.04, 0.0]
-    lines = courses({}, found, drawn(tmp_path, "falls"), 1.0 / 60.0)
+    lines = courses({}, found, read_scene(tmp_path, "falls"), 1.0 / 60.0)
     assert set(lines) == {"offset", "energy"} <= set(MEASURES) and "energy" not in courses({}, found, None, 0.1)
     assert all(set(measure) == {OURS, MUJOCO} for measure in lines.values())
     times, energy = lines["energy"][OURS]

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from reports.pages.scripts import data
-from reports.reading.kept import Drawn, drawn, shown
-from reports.replay.scene import BYTES_PER_POSE, MOST_BYTES, replay, stride
+from reports.reading.kept import Drawn, read_scene, shown
+from reports.replay.scene import BYTES_PER_POSE, MAX_BYTES, replay, stride
 from tests.player.test_payload import unpacked
 from tests.reports.recorded import STATES, recording, scene
 from tests.reports.small_runs import OURS
@@ -27,7 +27,7 @@ def folder(tmp_path: Path) -> Path:
 
 def bodies(folder: Path) -> Drawn:
     """Return the bodies from the scene's file."""
-    found = drawn(folder, NAME)
+    found = read_scene(folder, NAME)
     assert found is not None
     return found
 
@@ -95,4 +95,4 @@ def test_without_a_recording_of_an_engine_there_is_no_replay(folder: Path) -> No
 def test_a_long_scene_leaves_out_states(frames: int, moving: int) -> None:
     step = stride([frames] * 6, moving)
     kept = 6 * moving * BYTES_PER_POSE * frames / step
-    assert step >= 1 and kept <= MOST_BYTES and (step > 1) == (frames > 600 or 6 * moving * BYTES_PER_POSE * frames > MOST_BYTES)
+    assert step >= 1 and kept <= MAX_BYTES and (step > 1) == (frames > 600 or 6 * moving * BYTES_PER_POSE * frames > MAX_BYTES)

@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reports import Judged, judged, said
+from reports import Judged, judged, terminal_summary
 from reports.reading.load import EngineNote, Row, Series
 from reports.summaries.text import COLUMNS, engines, headline, markdown, terminal
 from reports.tables.checks import checks
@@ -72,8 +72,8 @@ def test_said_is_the_summary_of_a_folder_and_names_what_changed(run_dir: Write, 
     assert isinstance(rows, list)
     old, new = run_dir(results), run_dir(results | {"rows": [{**rows[0], "value": 1e-3}, *rows[1:]]})
     found = judged(new, old)
-    assert said(new, old) == terminal(found.run, found.checks, found.changes, found.losses)
-    assert [one.count("worse") for one in found.changes] == [1] and old.name in said(new, old)
+    assert terminal_summary(new, old) == terminal(found.run, found.checks, found.changes, found.losses)
+    assert [one.count("worse") for one in found.changes] == [1] and old.name in terminal_summary(new, old)
     assert [one.count("worse") for one in judged(old, old).changes] == [0] and judged(old).changes == []
 
 
