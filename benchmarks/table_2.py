@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_json
 from benchmarks.output import print_rows, write_rows
-from runfiles.published import MOST_BYTES
+from runfiles.published import MAX_BYTES
 from runfiles.record import Recording, load
 from scenarios.catalog.paper import TABLE_2 as SCENES
 from scenarios.job import Job
@@ -102,7 +102,7 @@ class Run:
 def runs(folder: Path) -> list[Run]:
     """Return every engine and preset with times in the run, in the scenes of Table 2, seed 0. InvalidFile for damaged results."""
     path = folder / "results.json"
-    results: Any = read_json(path, f"results {path}", WHOLE, MOST_BYTES)
+    results: Any = read_json(path, f"results {path}", WHOLE, MAX_BYTES)
     try:
         series = {(scene, name): (_numbers(numbers["frame_time_us"]), _numbers(numbers["overlap_m"]))
                   for scene in SCENES for name, numbers in results["series"].get(scene, {}).items()}

@@ -38,8 +38,8 @@ def largest(entry: Mapping[str, Any], metrics: Sequence[str]) -> float:
     values: Mapping[str, float] = entry["values"] if entry["state"] == "measured" else {}
     if not follows(next((values[name] for name in FOLLOWING if name in values and name in metrics), math.nan)):
         return math.inf
-    found = lengths({name: float(values.get(name, math.inf)) for name in metrics}).values()
-    return max((math.inf if math.isnan(error) else error for error in found), default=math.inf)
+    errors = lengths({name: float(values.get(name, math.inf)) for name in metrics}).values()
+    return max((math.inf if math.isnan(error) else error for error in errors), default=math.inf)
 
 
 @dataclass(frozen=True)
@@ -52,16 +52,16 @@ class Reached:
     step: float
 
 
-def missing(found: Iterable[Reached], ours: str = "avatarsim") -> dict[tuple[str, str], float]:
-    """Return (scene, engine) -> its finest step [s] where none of its settings reaches one of LEVELS that ``ours`` reaches."""
+def missing(reached: Iterable[Reached], own: str = "avatarsim") -> dict[tuple[str, str], float]:
+    """Return (scene, engine) -> its finest step [s] where none of its settings reaches one of LEVELS that ``own`` reaches."""
     least: dict[tuple[str, str], float] = {}
     finest: dict[tuple[str, str], float] = {}
-    for one in found:
+    for one in reached:
         place = one.scenario, one.engine
         least[place] = min(least.get(place, math.inf), one.error)
         finest[place] = min(finest.get(place, math.inf), math.inf if math.isnan(one.step) else one.step)
 
-    def behind(place: tuple[str, str]) -> bool:
-        return any(least.get((place[0], ours), math.inf) <= level < least[place] for level in LEVELS)
+    def is_worse(place: tuple[str, str]) -> bool:
+        return any(least.get((place[0], own), math.inf) <= level < least[place] for level in LEVELS)
 
-    return {place: step for place, step in finest.items() if place[1] != ours and step < math.inf and behind(place)}
+    return {place: step for place, step in finest.items() if place[1] != own and step < math.inf and is_worse(place)}

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from avatarsim.errors import InvalidFile
 from avatarsim.files import check
 
-MOST = 2**30
+MAX_BYTES = 2**30
 """Bytes that all arrays of one file may take. The longest recording of the catalogue takes a twentieth; a file of a megabyte that
 deflate can blow up to a thousand must not take a machine's memory."""
 WHOLE = "a whole .npz file from this runner"
@@ -62,13 +62,13 @@ def joined(split: NDArray[np.uint8], kind: np.dtype[Any]) -> NDArray[np.generic]
 
 def read(path: Path, wanted: Callable[[str], bool] = lambda name: True) -> dict[str, NDArray[Any]]:
     """Read the arrays of a file whose name is `wanted`. Raises InvalidFile for one that is missing, damaged, or too large."""
-    check(path, f"arrays of {path}", WHOLE, MOST)
+    check(path, f"arrays of {path}", WHOLE, MAX_BYTES)
     try:
         with path.open("rb") as file, zipfile.ZipFile(file) as archive:
             members = archive.infolist()
             declared = sum(member.file_size for member in members)
-            if declared > MOST:
-                raise InvalidFile(f"size of {path} unpacked [bytes]", declared, f"up to {MOST}")
+            if declared > MAX_BYTES:
+                raise InvalidFile(f"size of {path} unpacked [bytes]", declared, f"up to {MAX_BYTES}")
             return dict(_array(archive, member) for member in members if wanted(_name(member)[0]))
     except InvalidFile:
         raise

@@ -38,13 +38,13 @@ class Note(Protocol):
 def silenced_metrics(run: str, features: Iterable[str]) -> dict[str, str]:
     """Return the metrics that do not compare a run in a scene for which it lacks these features, with the reason."""
     engine, _, preset = run.partition("/")
-    one, found = about(engine), dict[str, str]()
+    one, silenced = about(engine), dict[str, str]()
     for feature in features:
         lacking = one.unsupported.get(feature)
         if lacking is not None and (not lacking.presets or preset in lacking.presets):
             reason = f"{one.label} has no {feature}" if lacking.lacks == "engine" else f"{feature}: not set up in {one.label}"
-            found |= dict.fromkeys(lacking.metrics, reason)
-    return found
+            silenced |= dict.fromkeys(lacking.metrics, reason)
+    return silenced
 
 
 def reasons(rows: pd.DataFrame, notes: Iterable[Note]) -> pd.Series:
@@ -68,8 +68,8 @@ def reasons(rows: pd.DataFrame, notes: Iterable[Note]) -> pd.Series:
         for scene, name in {(scene, run.partition("/")[0]) for scene, run in _keys(rows[rows.status == "refused"])}:
             why[(rows.scenario == scene) & (why == "")] = f"{about(name).label} refuses the scene"
     lacking = {(note.scenario, note.run): silenced_metrics(note.run, note.unsupported) for note in notes}
-    found = [lacking.get(key, {}).get(metric, "") for key, metric in zip(_keys(rows), rows.metric, strict=True)]
-    return why.where([not reason for reason in found], pd.Series(found, index=rows.index, dtype=object))
+    lacks = [lacking.get(key, {}).get(metric, "") for key, metric in zip(_keys(rows), rows.metric, strict=True)]
+    return why.where([not reason for reason in lacks], pd.Series(lacks, index=rows.index, dtype=object))
 
 
 def _keys(rows: pd.DataFrame) -> list[tuple[str, str]]:

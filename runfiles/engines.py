@@ -136,10 +136,10 @@ class About:
 @cache
 def engines(folder: Path = FOLDER) -> Mapping[str, About]:
     """Return the engines in the folders of `folder`: the gated one first, baselines last. Raises InvalidFile."""
-    found = [_read(path) for path in sorted(folder.glob(f"*/{FILE}"))]
-    found.sort(key=lambda one: (one.name != GATED[0], one.baseline, one.name))
-    named = {one.name: one for one in found}
-    for one in found:
+    listed = [_read(path) for path in sorted(folder.glob(f"*/{FILE}"))]
+    listed.sort(key=lambda one: (one.name != GATED[0], one.baseline, one.name))
+    named = {one.name: one for one in listed}
+    for one in listed:
         if named[one.name] is not one:
             raise InvalidFile(f"name in {one.path}", one.name, f"a name that {named[one.name].path} does not have")
     return MappingProxyType(named)
@@ -183,14 +183,14 @@ def _folders(module: str) -> list[Path]:
 
 def _read(path: Path, name: str = "", adapter: str = "") -> About:
     """Read a file of facts; `name` and `adapter` are those of an entry point. Raises InvalidFile."""
-    found = read(path, About)
-    if name not in ("", found.name):
-        raise InvalidFile(f"name in {path}", found.name, f"{name}, the name of the entry point")
-    if not found.presets:
-        raise InvalidFile(f"presets in {path}", found.presets, "one or more")
-    if not found.adapter and not adapter:
-        raise InvalidFile(f"adapter in {path}", found.adapter, "module:class")
-    return replace(found, path=path, adapter=adapter or found.adapter)
+    engine = read(path, About)
+    if name not in ("", engine.name):
+        raise InvalidFile(f"name in {path}", engine.name, f"{name}, the name of the entry point")
+    if not engine.presets:
+        raise InvalidFile(f"presets in {path}", engine.presets, "one or more")
+    if not engine.adapter and not adapter:
+        raise InvalidFile(f"adapter in {path}", engine.adapter, "module:class")
+    return replace(engine, path=path, adapter=adapter or engine.adapter)
 
 
 def run_label(run: str) -> str:

@@ -21,18 +21,18 @@ COMPARE = "compare"
 def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
     """Let `write` fill a file that takes the name `path` only once it is complete."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        with beside.open("wb") as file:
+        with temporary.open("wb") as file:
             write(file)
-        os.replace(beside, path)
+        os.replace(temporary, path)
     except OSError as error:
         if error.errno is not None and error.filename is None:
             # a disk that is full names no file
             error.filename = str(path)
         raise
     finally:
-        beside.unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
 
 
 HALF = re.compile(r"\.(.+)\.([0-9]+)")
@@ -135,7 +135,7 @@ def point_latest(folder: Path, command: str = COMPARE) -> None:
     link = latest(folder.parent, command)
     if link.exists() and not link.is_symlink():
         return
-    beside = link.with_name(f".{link.name}.{os.getpid()}")
-    beside.unlink(missing_ok=True)
-    beside.symlink_to(folder.name, target_is_directory=True)
-    os.replace(beside, link)
+    temporary = link.with_name(f".{link.name}.{os.getpid()}")
+    temporary.unlink(missing_ok=True)
+    temporary.symlink_to(folder.name, target_is_directory=True)
+    os.replace(temporary, link)

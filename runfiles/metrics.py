@@ -65,10 +65,10 @@ RANKED: Mapping[str, Metric] = MappingProxyType({name: one for name, one in METR
 
 def metric(name: str) -> Metric:
     """Return the metric, or the family, of a name. Raises UnknownName."""
-    found = [one for one in FAMILIES if name.startswith(one.name) or name.endswith(one.name)]
-    if name not in METRICS and not found:
+    families = [one for one in FAMILIES if name.startswith(one.name) or name.endswith(one.name)]
+    if name not in METRICS and not families:
         raise UnknownName("metric", name, METRICS)
-    return METRICS.get(name) or found[0]
+    return METRICS.get(name) or families[0]
 
 
 def unit(name: str) -> str:

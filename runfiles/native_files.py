@@ -23,5 +23,5 @@ def steps_written(folder: Path, scene: str, run: str, seed: int) -> tuple[str, .
 def written(folder: Path, scene: str, run: str, seed: int) -> str:
     """Return the path, below a run's `folder`, of the file for that scene, run and seed; "" without one."""
     engine, _, preset = run.partition("/")
-    found = sorted((folder / FOLDER).glob(f"{stem(scene, engine, preset, seed)}.*.gz"))
-    return f"{FOLDER}/{found[0].name}" if found else ""
+    paths = sorted((folder / FOLDER).glob(f"{stem(scene, engine, preset, seed)}.*.gz"))
+    return f"{FOLDER}/{paths[0].name}" if paths else ""

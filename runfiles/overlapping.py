@@ -15,7 +15,7 @@ from runfiles.files import write_whole
 
 FOLDER = "overlaps"
 """Where these files lie in a run's folder, named as the recordings are."""
-MOST = 8
+MAX_PAIRS = 8
 """Most pairs kept per state, deepest first: a heap that fell into itself has thousands, and a picture shows a few."""
 
 Pairs = Sequence[tuple[str, str, float]]
@@ -35,7 +35,7 @@ class Overlapping:
 def gathered(pairs_shown: Sequence[Pairs], names: Sequence[str]) -> Overlapping:
     """Return the deepest MOST pairs of each state, from the judge's (name, name, depth [m]) of each, deepest first."""
     place = {name: k for k, name in enumerate(names)}
-    rows = [(k, place[a], place[b], depth) for k, pairs in enumerate(pairs_shown) for a, b, depth in pairs[:MOST]]
+    rows = [(k, place[a], place[b], depth) for k, pairs in enumerate(pairs_shown) for a, b, depth in pairs[:MAX_PAIRS]]
     frame, first, second = (np.array([row[k] for row in rows], dtype=np.int64) for k in range(3))
     return Overlapping(frame, first, second, np.array([row[3] for row in rows], dtype=np.float64))
 
@@ -45,9 +45,9 @@ def path(folder: Path, stem: str) -> Path:
     return folder / FOLDER / f"{stem}.npz"
 
 
-def write(found: Overlapping, folder: Path, stem: str) -> None:
+def write(pairs: Overlapping, folder: Path, stem: str) -> None:
     """Write the file of the recording `stem` into the run folder, whole or not at all."""
-    write_whole(path(folder, stem), lambda file: array_file.write(file, vars(found)))
+    write_whole(path(folder, stem), lambda file: array_file.write(file, vars(pairs)))
 
 
 def read(folder: Path, stem: str, states: int, bodies: int) -> list[tuple[int, int, int, float]]:
@@ -61,9 +61,9 @@ def read(folder: Path, stem: str, states: int, bodies: int) -> list[tuple[int, i
         return []
     stored = array_file.read(place)
     for name, kind, most in (("frame", "i", states), ("first", "i", bodies), ("second", "i", bodies), ("depth", "f", math.inf)):
-        found = stored.get(name)
-        if found is None or found.dtype.kind != kind or found.shape != (stored["frame"].size,):
+        array = stored.get(name)
+        if array is None or array.dtype.kind != kind or array.shape != (stored["frame"].size,):
             raise InvalidFile(f"{name} in {place}", "missing, or of another shape or kind", "the whole file that a run wrote")
-        if found.size and not 0 <= found.min() <= found.max() < most:
-            raise InvalidFile(f"{name} in {place}", found.max(), f"from 0 to below {most}")
+        if array.size and not 0 <= array.min() <= array.max() < most:
+            raise InvalidFile(f"{name} in {place}", array.max(), f"from 0 to below {most}")
     return list(zip(*(stored[name].tolist() for name in ("frame", "first", "second", "depth")), strict=True))

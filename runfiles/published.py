@@ -22,9 +22,9 @@ def check(data: object, path: Path) -> None:
     error = best_match(_validator().iter_errors(data))
     if error is not None:
         where = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in error.absolute_path).removeprefix(".")
-        found = json.dumps(error.instance, ensure_ascii=False, default=str)
-        told = found if len(found) <= LONGEST else f"{found[:LONGEST]}..."
-        raise InvalidFile(f"{where or 'top level'} of {path}", told, f"as {SCHEMA.name} has it: {error.message[:200]}")
+        text = json.dumps(error.instance, ensure_ascii=False, default=str)
+        shortened = text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
+        raise InvalidFile(f"{where or 'top level'} of {path}", shortened, f"as {SCHEMA.name} has it: {error.message[:200]}")
 
 
 @cache
@@ -56,5 +56,5 @@ def _look(element: object) -> object:
 
 SCHEMA_VERSION = 1
 """Layout of results.json; reports refuse every other."""
-MOST_BYTES = 2**29
+MAX_BYTES = 2**29
 """Bytes of a results.json that is read. A comparison at full lengths with all engines takes a tenth of it."""

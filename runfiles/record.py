@@ -119,11 +119,11 @@ def save(recording: Recording, path: Path, motions: Path | None = None) -> None:
 
 def _digest(moved: Mapping[str, NDArray[np.generic]]) -> str:
     """The name of a user's motion: equal for equal arrays."""
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     for name in OF_USER:
-        found.update(f"{name} {moved[name].dtype.str} {moved[name].shape}".encode())
-        found.update(np.ascontiguousarray(moved[name]).tobytes())
-    return found.hexdigest()[:32]
+        digest.update(f"{name} {moved[name].dtype.str} {moved[name].shape}".encode())
+        digest.update(np.ascontiguousarray(moved[name]).tobytes())
+    return digest.hexdigest()[:32]
 
 
 def read(path: Path, names: Collection[str] | None = None) -> dict[str, Any]:
@@ -144,17 +144,17 @@ def read(path: Path, names: Collection[str] | None = None) -> dict[str, Any]:
         raise InvalidFile(f"meta of recording {path}", f"{type(error).__name__}: {error}", WHOLE) from error
     if version != SCHEMA_VERSION:
         raise InvalidFile(f"schema_version of {path}", version, f"{SCHEMA_VERSION}; run again")
-    found: dict[str, Any] = {"meta": meta}
+    values: dict[str, Any] = {"meta": meta}
     for key, array in stored.items():
         kind, counts, name = key.partition(":")
-        found |= {kind: found.get(kind, {}) | {name: array}} if counts and kind in COUNTED else {key: array}
+        values |= {kind: values.get(kind, {}) | {name: array}} if counts and kind in COUNTED else {key: array}
     known = {entry.name: entry.default is MISSING and entry.default_factory is MISSING for entry in fields(Recording)}
     needed = {name for name, always in known.items() if always} if names is None else {*names}
-    if wrong := sorted((needed - found.keys()) | (found.keys() - known.keys())):
+    if wrong := sorted((needed - values.keys()) | (values.keys() - known.keys())):
         raise InvalidFile(f"recording {path}", f"lacks or adds {', '.join(wrong)}", "every field of this layout, and no other")
-    if name := _misfit(found):
+    if name := _misfit(values):
         raise InvalidFile(f"{name} in recording {path}", "of another shape or kind", "a fit to the rest, as in `Recording`")
-    return found
+    return values
 
 
 def load(path: Path) -> Recording:
@@ -169,19 +169,19 @@ def _arrays(path: Path, wanted: Callable[[str], bool]) -> dict[str, NDArray[Any]
         return arrays
     if not re.fullmatch(r"[0-9a-f]{32}", str(named)):
         raise InvalidFile(f"{MOTION} of recording {path}", str(named)[:64], "32 hexadecimal digits")
-    beside = path.parent.parent / MOTIONS / f"{named}.npz"
-    moved = array_file.read(beside)
+    motion = path.parent.parent / MOTIONS / f"{named}.npz"
+    moved = array_file.read(motion)
     if moved.keys() != set(OF_USER) or _digest(moved) != str(named):
-        raise InvalidFile(f"the user's motion in {beside}", "another motion than that of its name", WHOLE)
+        raise InvalidFile(f"the user's motion in {motion}", "another motion than that of its name", WHOLE)
     return arrays | {name: array for name, array in moved.items() if wanted(name)}
 
 
-def _misfit(found: Mapping[str, Any]) -> str:
+def _misfit(values: Mapping[str, Any]) -> str:
     """Return the first field that contradicts its annotation or those before it, "" without one; an empty `overlap` fits."""
     sizes: dict[str, int] = {}
     for name, hint in get_type_hints(Recording, include_extras=True).items():
         kind, *axes = getattr(hint, "__metadata__", ("",))
-        for array in found.get(name, {}).values() if name in COUNTED else [found[name]] if kind and name in found else []:
+        for array in values.get(name, {}).values() if name in COUNTED else [values[name]] if kind and name in values else []:
             if name == "overlap" and array.size == 0:
                 continue
             shape = tuple(
@@ -192,7 +192,7 @@ def _misfit(found: Mapping[str, Any]) -> str:
                 return name
     # snapshots name frames and events that there are
     most = {"inside_frame": sizes.get("states", 1) - 1, "inside_event": len(EVENTS) - 1}
-    for name in most.keys() & found.keys():
-        if found[name].size and not 0 <= found[name].min() <= found[name].max() <= most[name]:
+    for name in most.keys() & values.keys():
+        if values[name].size and not 0 <= values[name].min() <= values[name].max() <= most[name]:
             return name
     return ""

@@ -53,5 +53,5 @@ def may_rank(metric: str, note: str) -> bool:
 
     A time at the slow end needs RANKED_REPEATS x TAIL_FRAMES frames; a row without a protocol ranks.
     """
-    found = re.match(r"(\d+) x (\d+) frame", note) if metric in TAILS else None
-    return found is None or (int(found[1]) >= RANKED_REPEATS and int(found[2]) >= TAIL_FRAMES)
+    match = re.match(r"(\d+) x (\d+) frame", note) if metric in TAILS else None
+    return match is None or (int(match[1]) >= RANKED_REPEATS and int(match[2]) >= TAIL_FRAMES)

@@ -24,16 +24,16 @@ def read(path: Path, kind: type[T]) -> T:
     Annotations are those of TOML's values: str, bool, int, tuple[X, ...] of a list, Mapping[str, X] and dataclasses of a table,
     enumerations by value, X | Y, and object of anything, a list as a tuple. Literal names all values; Annotated[X, valid] adds
     a pattern of a text, or a collection of values."""
-    found: T = _value(path, kind, read_toml(path, str(path), "a readable TOML file"), "")
-    return found
+    value: T = _value(path, kind, read_toml(path, str(path), "a readable TOML file"), "")
+    return value
 
 
 def _value(path: Path, kind: Any, value: object, key: str) -> Any:
     origin, inner = get_origin(kind), get_args(kind)
     if origin is Annotated:
-        found, valid = _value(path, inner[0], value, key), inner[1]
-        if re.fullmatch(valid, found) if isinstance(valid, str) else found in valid:
-            return found
+        checked, valid = _value(path, inner[0], value, key), inner[1]
+        if re.fullmatch(valid, checked) if isinstance(valid, str) else checked in valid:
+            return checked
         raise _invalid(path, key, value, f"a text like {valid}" if isinstance(valid, str) else _listed(valid))
     if origin is UnionType:
         fitting = [one for one in inner if isinstance(value, get_origin(one) or one)]

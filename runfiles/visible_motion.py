@@ -19,12 +19,12 @@ FAR = 0.1
 def reversals(shown: Array, target: Array) -> Array:
     """Return the smaller [m] (F, L) of the displacements of link origins (F+1, L, 3) in this frame and the last one, where they
     point against each other and the target's do not; 0 elsewhere, nan where a place is no number."""
-    found = np.zeros(shown[1:].shape[:-1])
+    smaller = np.zeros(shown[1:].shape[:-1])
     step, wanted = np.diff(shown, axis=0), np.diff(target, axis=0)
     back = ~((step[1:] * step[:-1]).sum(axis=-1) >= 0.0) & ~((wanted[1:] * wanted[:-1]).sum(axis=-1) < 0.0)
     length = np.linalg.norm(step, axis=-1)
-    found[1:] = np.where(back, np.minimum(length[1:], length[:-1]), 0.0)
-    return found
+    smaller[1:] = np.where(back, np.minimum(length[1:], length[:-1]), 0.0)
+    return smaller
 
 
 def shaking(reversed_by: Array, dt: float) -> Flags:

@@ -14,7 +14,7 @@ from reports.tables.changes import TIME_FACTOR
 from reports.tables.figures import quantity, rounded
 from reports.tables.run import Run
 from runfiles.metrics import METRICS
-from runfiles.published import MOST_BYTES
+from runfiles.published import MAX_BYTES
 from runfiles.timing_protocol import REPEATS, TAIL_FRAMES, WARM_FRAMES
 
 JUDGE = "judge.json"
@@ -63,7 +63,7 @@ def _judge(folder: Path) -> dict[str, Any] | None:
     if not path.exists():
         return None
     try:
-        content: Any = read_json(path, str(path), "the whole file that one command wrote", MOST_BYTES)
+        content: Any = read_json(path, str(path), "the whole file that one command wrote", MAX_BYTES)
         whole = content["all"]
         error = quantity(float(whole["largest_depth_error"]), "m")
         return {"pairs": f"{whole['pairs']:,}", "error": error, "misses": whole["misses"], "alarms": whole["false_alarms"]}

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_json
-from runfiles.published import MOST_BYTES, SCHEMA_VERSION, check
+from runfiles.published import MAX_BYTES, SCHEMA_VERSION, check
 from runfiles.table import Row
 
 Array = NDArray[np.float64]
@@ -73,7 +73,7 @@ def load(run_dir: Path) -> Results:
     if not lexists(run_dir):
         raise InvalidFile(str(run_dir), "not there", "the folder of a run; `make compare` leaves one")
     valid = "complete, strict JSON in UTF-8, as a run leaves it; a killed run leaves half a file"
-    data: Any = read_json(path, str(path), valid, MOST_BYTES, _no_number)
+    data: Any = read_json(path, str(path), valid, MAX_BYTES, _no_number)
     if isinstance(data, dict) and data.get("schema_version") != SCHEMA_VERSION:
         raise InvalidFile(f"schema_version of {path}", data.get("schema_version"), f"{SCHEMA_VERSION}; run again")
     check(data, path)

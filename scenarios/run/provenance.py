@@ -25,7 +25,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.version import VERSION
 from runfiles.engines import engines
 from runfiles.files import plain, write_json
-from runfiles.published import MOST_BYTES, SCHEMA_VERSION
+from runfiles.published import MAX_BYTES, SCHEMA_VERSION
 from scenarios.job import Job
 from scenarios.run.machine import clock, usable_cpus
 
@@ -125,7 +125,7 @@ def has_ended(folder: Path) -> bool:
 
 
 def _results(folder: Path) -> Mapping[str, object]:
-    results = read_json(folder / "results.json", f"results.json of {folder}", "the whole file of a run", MOST_BYTES)
+    results = read_json(folder / "results.json", f"results.json of {folder}", "the whole file of a run", MAX_BYTES)
     return results if isinstance(results, dict) else {}
 
 
@@ -143,7 +143,7 @@ def write_plan(folder: Path, words: Sequence[str], jobs: Sequence[Job]) -> None:
 def check_plan(folder: Path, jobs: Sequence[Job]) -> None:
     """Raise InvalidInput where the plan of the run in `folder` has a job that is not among `jobs`: its rows would be lost."""
     path = folder / PLAN
-    stored = read_json(path, f"plan {path}", VALID_PLAN, MOST_BYTES)
+    stored = read_json(path, f"plan {path}", VALID_PLAN, MAX_BYTES)
     if not isinstance(stored, dict) or stored.get("schema_version") != PLAN_VERSION or not isinstance(stored.get("words"), list):
         raise InvalidFile(f"plan {path}", "of another layout", VALID_PLAN)
     runs = stored.get("runs")

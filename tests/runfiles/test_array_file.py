@@ -121,7 +121,7 @@ def test_what_would_fill_the_memory_is_refused_before_it_is_unpacked(tmp_path: P
     one = written(tmp_path / "one.npz", {"x": np.zeros(2**21)})
     many = written(tmp_path / "many.npz", {f"x{k}": np.zeros(2**17) for k in range(16)})
     assert one.stat().st_size < 2**17
-    monkeypatch.setattr(array_file, "MOST", 2**23)
+    monkeypatch.setattr(array_file, "MAX_BYTES", 2**23)
     monkeypatch.setattr(zipfile.ZipFile, "open", lambda *rest, **named: pytest.fail("a member was unpacked"))
     for path in (one, many):
         with pytest.raises(InvalidFile, match=f"size of .*{path.name} unpacked"):

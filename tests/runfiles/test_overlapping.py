@@ -17,4 +17,4 @@ def test_pairs_come_back(tmp_path: Path) -> None:
 def test_a_heap_keeps_its_deepest_pairs_only() -> None:
     many = tuple(("box", "hand", 1.0 / (k + 1)) for k in range(100))
     found = overlapping.gathered([many], NAMES)
-    assert len(found.depth) == overlapping.MOST and found.depth[-1] == 1.0 / overlapping.MOST
+    assert len(found.depth) == overlapping.MAX_PAIRS and found.depth[-1] == 1.0 / overlapping.MAX_PAIRS
