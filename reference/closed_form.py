@@ -207,12 +207,12 @@ def flip_times(moments: Triple, spin: Triple, until: float) -> tuple[float, ...]
     ahead, behind = (mid + 1) % 3, (mid + 2) % 3
     if (moments[ahead] - moments[behind]) * spin[ahead] * spin[behind] < 0.0:
         phase = 2.0 * quarter - phase
-    found, n = [], 0
+    times, n = [], 0
     while (time := (2.0 * n * quarter - phase) / rate) <= until:
         if time >= 0.0:
-            found.append(time)
+            times.append(time)
         n += 1
-    return tuple(found)
+    return tuple(times)
 
 
 def top_precession(across: float, along: float, mass: float, reach: float, spin: float, lean: float, gravity: float) -> float:

@@ -27,9 +27,9 @@ def collision_groups(meets: NDArray[np.bool_]) -> list[tuple[int, int]] | None:
             groups.append([k])
     if len(groups) > BITS:
         return None
-    found = [(0, 0)] * n
+    masks = [(0, 0)] * n
     for at, group in enumerate(groups):
         mask = sum(1 << other for other, members in enumerate(groups) if meets[group[0], members[-1]])
         for k in group:
-            found[k] = (1 << at, mask)
-    return found
+            masks[k] = (1 << at, mask)
+    return masks

@@ -113,20 +113,20 @@ def trust(pairs: int = PAIRS, seed: int = SEED, done: Callable[[str], None] = la
     if pairs < len(KINDS):
         raise InvalidInput("pairs", pairs, f"{len(KINDS)} at least, one of each kind")
     each = -(-pairs // (len(KINDS) * len(REGIMES)))
-    drawn = {kind: list(draws(kind, each, np.random.default_rng([seed, k]))) for k, kind in enumerate(KINDS)}
-    questions = [question for parts in drawn.values() for part in parts for question in part.questions]
-    with ThreadPoolExecutor(1) as beside:
+    by_kind = {kind: list(draws(kind, each, np.random.default_rng([seed, k]))) for k, kind in enumerate(KINDS)}
+    questions = [question for parts in by_kind.values() for part in parts for question in part.questions]
+    with ThreadPoolExecutor(1) as executor:
         # the second opinion has a process of its own, which works while the judge does
-        awaited = beside.submit(fcl_distances, questions)
+        awaited = executor.submit(fcl_distances, questions)
         judged: dict[str, Array] = {}
-        for kind, parts in drawn.items():
+        for kind, parts in by_kind.items():
             judged[kind] = np.concatenate([part.judged() for part in parts])
             done(kind)
         other = awaited.result()
-    ends = np.cumsum([len(found) for found in judged.values()])
+    ends = np.cumsum([len(distances) for distances in judged.values()])
     return Trust(seed, tuple(
-        counted(kind, np.concatenate([part.placed.exact for part in drawn[kind]]), judged[kind], opinion)
-        for kind, opinion in zip(drawn, np.split(other, ends[:-1]), strict=True)
+        counted(kind, np.concatenate([part.placed.exact for part in by_kind[kind]]), judged[kind], opinion)
+        for kind, opinion in zip(by_kind, np.split(other, ends[:-1]), strict=True)
     ))
 
 
@@ -145,9 +145,9 @@ class Draw:
 
     def judged(self) -> Array:
         """Return the judge's signed distances (n,) [m]; nan for a pair that it passed over, which so has no small error."""
-        first, second, found = Judge(self.gallery.scene).distances(self.placed.positions, self.placed.orientations, REACH)
+        first, second, distances = Judge(self.gallery.scene).distances(self.placed.positions, self.placed.orientations, REACH)
         answers = np.full(len(self.gallery.shapes), np.nan)
-        answers[np.minimum(first, second)] = found
+        answers[np.minimum(first, second)] = distances
         return answers
 
 
@@ -181,20 +181,20 @@ def sources() -> str:
     return digest.hexdigest()
 
 
-def write(found: Trust, folder: Path, asked_by: str) -> Path:
-    """Write judge.json in `folder`, whole or not at all; `asked_by` is the command that repeats the check."""
-    said: Mapping[str, object] = {
-        "schema_version": SCHEMA_VERSION, "command": asked_by, "ended": datetime.now(UTC).isoformat(timespec="seconds"),
+def write(result: Trust, folder: Path, invocation: str) -> Path:
+    """Write judge.json in `folder`, whole or not at all; `invocation` is the command that repeats the check."""
+    content: Mapping[str, object] = {
+        "schema_version": SCHEMA_VERSION, "command": invocation, "ended": datetime.now(UTC).isoformat(timespec="seconds"),
         "sources": sources(), "versions": {name: metadata.version(name) for name in ("coal", "python-fcl")},
-        "seed": found.seed, "bound_m": BOUND, "promise_m": PROVEN, "same_m": SAME, "regimes": REGIMES,
-        "all": asdict(found.whole), "kinds": [asdict(kind) for kind in found.kinds],
+        "seed": result.seed, "bound_m": BOUND, "promise_m": PROVEN, "same_m": SAME, "regimes": REGIMES,
+        "all": asdict(result.whole), "kinds": [asdict(kind) for kind in result.kinds],
     }
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / FILE
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
     # a judge without a number leaves the word NaN, which the report reads
-    beside.write_text(json.dumps(said, indent=1), encoding="utf-8")
-    os.replace(beside, path)
+    temporary.write_text(json.dumps(content, indent=1), encoding="utf-8")
+    os.replace(temporary, path)
     return path
 
 
@@ -204,19 +204,19 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--pairs", type=int, default=PAIRS, metavar="N", help=f"pairs over all kinds ({PAIRS})")
     parser.add_argument("--seed", type=int, default=SEED, metavar="N", help=f"seed of the draws ({SEED})")
     parser.add_argument("--run", type=path_option, metavar="FOLDER", help="folder of the file (default: the last comparison)")
-    asked = parser.parse_args(argv)
+    args = parser.parse_args(argv)
     try:
-        found = trust(asked.pairs, asked.seed)
+        result = trust(args.pairs, args.seed)
     except InvalidInput as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2
-    for line in (*found.kinds, found.whole):
+    for line in (*result.kinds, result.whole):
         print(
             f"{line.kind:24} {line.pairs:6} pairs  {line.overlapping:6} overlap  error {line.largest_error:.2g} m  "
             f"fcl differs {line.disagreements} (right {line.judge_wrong})  false alarms {line.false_alarms}  misses {line.misses}"
         )
-    print(write(found, asked.run or last_comparison(OUT, "judge"), command(asked.pairs, asked.seed)))
-    return 0 if found.whole.largest_error <= PROVEN else 1
+    print(write(result, args.run or last_comparison(OUT, "judge"), command(args.pairs, args.seed)))
+    return 0 if result.whole.largest_error <= PROVEN else 1
 
 
 if __name__ == "__main__":

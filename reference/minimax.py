@@ -30,7 +30,7 @@ def least_worst(first: Indices, second: Indices, wanted: Array, weight: Array, g
     def missed(logs: Array) -> float:
         return float((weight * np.abs(np.exp(sums @ logs) - wanted)).max())
 
-    found, low, high = guess, 0.0, missed(guess)
+    best, low, high = guess, 0.0, missed(guess)
     while high - low > CLOSE:
         miss = 0.5 * (low + high)
         least = wanted - miss / weight
@@ -38,10 +38,10 @@ def least_worst(first: Indices, second: Indices, wanted: Array, weight: Array, g
         most = np.concatenate([np.log(wanted + miss / weight), -np.log(least[bounded])])
         near = nearest_within(guess, np.vstack([sums, -sums[bounded]]), most)
         if near is not None and missed(near) < miss + CLOSE:
-            found, high = near, miss
+            best, high = near, miss
         else:
             low = miss
-    return found
+    return best
 
 
 def nearest_within(guess: Array, rows: Array, most: Array) -> Array | None:

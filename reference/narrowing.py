@@ -24,14 +24,14 @@ ALWAYS_THERE: Mapping[str, str] = {
 
 def alike_in_both(scene: Scene) -> dict[str, str]:
     """Features that neither engine has -> consequence; `no EFFECT` -> why not, for effects that were narrowed away in vain."""
-    found: dict[str, str] = {}
+    lacks: dict[str, str] = {}
     if any(isinstance(link.joint, Ball) and link.joint.cone for link in scene.links):
-        found["reach cones"] = "no spherical polygons: ignored"
+        lacks["reach cones"] = "no spherical polygons: ignored"
     if any(any(link.surface_velocity) for link in scene.links):
-        found["surface velocity"] = "belts do not carry loose bodies"
+        lacks["surface velocity"] = "belts do not carry loose bodies"
     if any(avatar.coupled_mass is not None for avatar in scene.avatars):
-        found["coupled mass"] = "an avatar's links have one mass: their own"
-    return found | {f"no {effect.replace('_', ' ')}": ALWAYS_THERE[effect] for effect in scene.lapsed if effect in ALWAYS_THERE}
+        lacks["coupled mass"] = "an avatar's links have one mass: their own"
+    return lacks | {f"no {effect.replace('_', ' ')}": ALWAYS_THERE[effect] for effect in scene.lapsed if effect in ALWAYS_THERE}
 
 
 def hull_of(shape: ConvexHull | Ellipsoid, vertices: int = ELLIPSOID_VERTICES) -> ConvexHull:
@@ -43,16 +43,16 @@ def alike_in_game_engines(scene: Scene, share: float = 1e-3, averages: bool = Fa
                           ) -> dict[str, str]:
     """Return features -> consequence in engines with a joint per pair of bodies, a coefficient per body, of which products or
     `averages` are taken, hulls of `vertices` points for ellipsoids and stand-ins of a `share` of the mass between hinges."""
-    found, links = missed(scene, averages), scene.links
+    lacks, links = missed(scene, averages), scene.links
     pieces = [piece for body in scene.bodies for piece in body.pieces] + [piece for link in links for piece in link.pieces]
     if any(isinstance(piece.shape, Ellipsoid) for piece in pieces):
-        found["ellipsoids"] = f"replaced by hulls of {vertices} points on their surface"
+        lacks["ellipsoids"] = f"replaced by hulls of {vertices} points on their surface"
     if any(isinstance(link.joint, Hinges) and len(link.joint.hinges) > 1 for link in links):
-        found["shared centres"] = (
+        lacks["shared centres"] = (
             f"one joint per body: stand-ins of {100.0 * share:g} % of the link's mass and inertia between hinges"
         )
     if any(avatar.couplings for avatar in scene.avatars):
-        found["couplings"] = "each joint is led by itself: what blocks a follower does not stop its leader"
+        lacks["couplings"] = "each joint is led by itself: what blocks a follower does not stop its leader"
     if scene.effects.coupling:
-        found["virtual coupling"] = "no spring of eq. 6: after a collision a link goes back to its user as its own drive has it"
-    return found | alike_in_both(scene)
+        lacks["virtual coupling"] = "no spring of eq. 6: after a collision a link goes back to its user as its own drive has it"
+    return lacks | alike_in_both(scene)

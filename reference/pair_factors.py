@@ -48,7 +48,7 @@ RARE = 1e-3
 LISTED = 4
 """Pairs named in full when a rule misses them; the others are counted."""
 
-MOST_BODIES = 60
+MAX_BODIES = 60
 """Bodies up to which each has its own factor; above, bodies of one material and role share one (the fit grows
 as n^3)."""
 
@@ -108,7 +108,7 @@ def fit_averages(scene: Scene, wanted: Array, matters: Array) -> Factors:
 def _pairs(scene: Scene, wanted: Array, matters: Array) -> _Pairs:
     n = len(scene.names)
     group = np.arange(n)
-    if n > MOST_BODIES:
+    if n > MAX_BODIES:
         kinds = list(zip(scene.material_names, scene.roles, strict=True))
         known = sorted(set(kinds), key=lambda kind: (kind[0], kind[1].value))
         group = np.array([known.index(kind) for kind in kinds])
@@ -134,12 +134,12 @@ def _equations(pairs: _Pairs, target: Array, own: Array) -> tuple[Array, Array]:
     return rows, np.concatenate([pairs.weight * target, pull * own])
 
 
-def _misses(pairs: _Pairs, wanted: Array, said: Array) -> tuple[tuple[int, int, float, float], ...]:
+def _misses(pairs: _Pairs, wanted: Array, obtained: Array) -> tuple[tuple[int, int, float, float], ...]:
     """Return pairs (a, b, wanted, obtained) whose coefficient is another one, the largest difference first."""
     a, b = pairs.a, pairs.b
-    off = np.abs(said - wanted[a, b]) > MISS
-    found = [(int(i), int(j), float(wanted[i, j]), float(s)) for i, j, s in zip(a[off], b[off], said[off], strict=True)]
-    return tuple(sorted(found, key=lambda miss: -abs(miss[2] - miss[3])))
+    off = np.abs(obtained - wanted[a, b]) > MISS
+    misses = [(int(i), int(j), float(wanted[i, j]), float(s)) for i, j, s in zip(a[off], b[off], obtained[off], strict=True)]
+    return tuple(sorted(misses, key=lambda miss: -abs(miss[2] - miss[3])))
 
 
 def coefficients(scene: Scene) -> tuple[Array, Array]:
@@ -160,17 +160,17 @@ def coefficients(scene: Scene) -> tuple[Array, Array]:
 def missed(scene: Scene, averages: bool = False) -> dict[str, str]:
     """Return "restitution" and "friction" -> the values that products, or averages, give to pairs that they miss; without those
     that they reach."""
-    found: dict[str, str] = {}
+    features: dict[str, str] = {}
     rule, fitted = ("average", fit_averages) if averages else ("product", fit)
     for what, wanted, matters in zip(("restitution", "friction"), coefficients(scene), weights(scene), strict=True):
         misses = [miss for miss in fitted(scene, wanted, matters).misses if matters[miss[0], miss[1]] > RARE * matters.max()]
         listed = ", ".join(
-            f"{scene.names[a]} on {scene.names[b]} {said:.3f} instead of {meant:.3f}" for a, b, meant, said in misses[:LISTED]
+            f"{scene.names[a]} on {scene.names[b]} {own:.3f} instead of {meant:.3f}" for a, b, meant, own in misses[:LISTED]
         )
         more = f" and {len(misses) - LISTED} more" if len(misses) > LISTED else ""
         if misses:
-            found[what] = f"a pair's coefficient is the {rule} of its bodies' factors, here the closest fit: {listed}{more}"
-    return found
+            features[what] = f"a pair's coefficient is the {rule} of its bodies' factors, here the closest fit: {listed}{more}"
+    return features
 
 
 def weights(scene: Scene) -> tuple[Array, Array]:

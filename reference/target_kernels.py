@@ -184,7 +184,7 @@ def clamp_balls(balls: Integers, rest: Array, axis: Array, between: Array, stops
 
 
 @kernel
-def beyond_stops(states: Array, left: Array, right: Array, axis: Array, stops: Array, found: NDArray[np.bool_]) -> int:
+def beyond_stops(states: Array, left: Array, right: Array, axis: Array, stops: Array, beyond: NDArray[np.bool_]) -> int:
     """Write which of `states` (n, 4), joint turns (x, y, z, w) as Bullet has them, are beyond `stops` (n, 3) [rad]: swing, lower
     and upper twist; 0 on return. left turn right, (n, 4) each, is the turn away from the cone's centre, of a limb along `axis`
     (n, 3)."""
@@ -196,5 +196,5 @@ def beyond_stops(states: Array, left: Array, right: Array, axis: Array, stops: A
         across = math.sqrt(max(0.0, x * x + y * y + z * z - along * along))
         swing = 2.0 * math.atan2(across, math.sqrt(w * w + along * along))
         twist = _twist(along, w)
-        found[k] = swing > stops[k, 0] + BEYOND or not stops[k, 1] - BEYOND <= twist <= stops[k, 2] + BEYOND
+        beyond[k] = swing > stops[k, 0] + BEYOND or not stops[k, 1] - BEYOND <= twist <= stops[k, 2] + BEYOND
     return 0

@@ -142,14 +142,14 @@ class Targets:
 
     def _beyond(self, goals: Goals) -> bool:
         """Return True if the first posture is beyond a limit."""
-        kept = self.within_limits(TrackerSample(0.0, goals.roots[0], goals.turns[0], goals.angles[0]))
-        return bool((kept.angles != goals.angles[0]).any() or np.abs(kept.rotations - goals.turns[0]).max() > ROUNDING)
+        nearest = self.within_limits(TrackerSample(0.0, goals.roots[0], goals.turns[0], goals.angles[0]))
+        return bool((nearest.angles != goals.angles[0]).any() or np.abs(nearest.rotations - goals.turns[0]).max() > ROUNDING)
 
     def _stop(self, goals: Goals, positions: Array, orientations: Array) -> None:
         """Move poses by the change that limits make to `goals`, which go beyond them."""
         for k in range(len(positions)):
-            kept = self.within_limits(TrackerSample(0.0, goals.roots[k], goals.turns[k], goals.angles[k]))
-            there, turned = self.posture(kept)
+            nearest = self.within_limits(TrackerSample(0.0, goals.roots[k], goals.turns[k], goals.angles[k]))
+            there, turned = self.posture(nearest)
             back = rotation.multiply(turned, rotation.conjugate(goals.orientations[k]))
             positions[k] = there + rotation.rotate(back, positions[k] - goals.positions[k])
             orientations[k] = rotation.multiply(back, orientations[k])
@@ -165,9 +165,9 @@ class Followed:
     def aimed(self, turns: Array, share: float) -> Array:
         """Return (n - 1, links, 4) of `turns` (n, all links, 4): each of the second and later, `share` of the way to it from the
         one before it, beyond 1 as far past it."""
-        found = np.empty((len(turns) - 1, len(self._links), 4))
-        turned_on(turns, self._links, share, self._left, self._right, found)
-        return found
+        turned = np.empty((len(turns) - 1, len(self._links), 4))
+        turned_on(turns, self._links, share, self._left, self._right, turned)
+        return turned
 
 
 def _kind(joint: object) -> int:

@@ -58,11 +58,11 @@ def mjcf(spec: mujoco.MjSpec, model: mujoco.MjModel, data: mujoco.MjData) -> str
 @contextmanager
 def written_digits(digits: int) -> Iterator[None]:
     """Let MuJoCo write so many significant digits; where its library has another name, as many as it writes by itself."""
-    found = sorted(Path(mujoco.__file__).parent.glob(LIBRARY))
-    if not found:
+    libraries = sorted(Path(mujoco.__file__).parent.glob(LIBRARY))
+    if not libraries:
         yield
         return
-    library = ctypes.CDLL(str(found[0]))
+    library = ctypes.CDLL(str(libraries[0]))
     before = library._mjPRIVATE__get_xml_precision()
     library._mjPRIVATE__set_xml_precision(digits)
     try:
@@ -77,7 +77,7 @@ def resolved(model: mujoco.MjModel) -> Mapping[str, tuple[object, str]]:
     flags = {"nativeccd": mujoco.mjtDisableBit.mjDSBL_NATIVECCD, "multiccd": mujoco.mjtDisableBit.mjDSBL_MULTICCD,
              "autoreset": mujoco.mjtDisableBit.mjDSBL_AUTORESET,
              "filterparent": mujoco.mjtDisableBit.mjDSBL_FILTERPARENT}
-    told: dict[str, tuple[object, str]] = {
+    options: dict[str, tuple[object, str]] = {
         "flag nativeccd": (_on(option.disableflags, flags["nativeccd"]), "MuJoCo's own convex collisions; untouched"),
         "flag multiccd": (_on(option.disableflags, flags["multiccd"]), "several contacts of two convex meshes; untouched"),
         "flag autoreset": (_on(option.disableflags, flags["autoreset"]),
@@ -104,8 +104,8 @@ def resolved(model: mujoco.MjModel) -> Mapping[str, tuple[object, str]]:
                                                                                                         "poses"),
     ):
         if len(values):
-            told[name] = _counted(values), meaning
-    return told
+            options[name] = _counted(values), meaning
+    return options
 
 
 def _options(spec: mujoco.MjSpec, model: mujoco.MjModel) -> None:
@@ -123,8 +123,8 @@ def _counted(values: Array) -> str:
     """Return the different rows of `values` and how often each occurs, the most frequent first."""
     rows, counts = np.unique(np.atleast_2d(values.T).T, axis=0, return_counts=True)
     order = np.argsort(-counts, kind="stable")
-    told = [f"{_row(rows[k])} x {counts[k]}" for k in order[:PAIRS_NAMED]]
-    return ", ".join([*told, *([f"{len(order) - PAIRS_NAMED} more"] if len(order) > PAIRS_NAMED else [])])
+    parts = [f"{_row(rows[k])} x {counts[k]}" for k in order[:PAIRS_NAMED]]
+    return ", ".join([*parts, *([f"{len(order) - PAIRS_NAMED} more"] if len(order) > PAIRS_NAMED else [])])
 
 
 def _row(row: Iterable[float]) -> str:

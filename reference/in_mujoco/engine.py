@@ -62,7 +62,7 @@ class MujocoEngine:
         if self._motors is not None:
             run["welds"] = ("the root's", EVERYWHERE["welds"][1])
         run["explicit pairs"] = (len(self._world.pair_law), "pairs of geoms whose law priorities cannot say")
-        return run | {f"{COMPILED}{name}": told for name, told in resolved(self._model).items()}
+        return run | {f"{COMPILED}{name}": entry for name, entry in resolved(self._model).items()}
 
     def native(self) -> tuple[str, str]:
         """Return the MJCF of the model that `load` made, with the settings written after compilation."""
@@ -85,8 +85,8 @@ class MujocoEngine:
         if not self._kept:
             return {}, ""
         places, turns, controls = (np.concatenate(part) for part in zip(*self._kept, strict=True))
-        told = {"mocap_pos": places, "mocap_quat": turns, "ctrl": controls, "steps_per_frame": np.array(float(self._count))}
-        return told, REPLAY.read_text(encoding="utf-8")
+        steps = {"mocap_pos": places, "mocap_quat": turns, "ctrl": controls, "steps_per_frame": np.array(float(self._count))}
+        return steps, REPLAY.read_text(encoding="utf-8")
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         """Build the model, put everything at its first pose, show it."""
@@ -139,16 +139,16 @@ class MujocoEngine:
         self._last = goal
         model, data, iterations = self._model, self._data, np.zeros_like(self._iterations)
         led, stepping, times = len(self._aimed) > 0, 0, list[float]()
-        asked = None if self._motors is None else self._motors.asked(goals, self._step)
+        targets = None if self._motors is None else self._motors.controls(goals, self._step)
         if self._keeps and led:
-            controls = np.zeros((self._count, model.nu)) if asked is None else asked
+            controls = np.zeros((self._count, model.nu)) if targets is None else targets
             self._kept.append((positions.copy(), orientations.copy(), controls.copy()))
-        if led or asked is not None or self._settings.record_inside:
+        if led or targets is not None or self._settings.record_inside:
             for k in range(self._count):
                 if led:
                     self._aim(positions[k], orientations[k])
-                if asked is not None:
-                    data.ctrl[:] = asked[k]
+                if targets is not None:
+                    data.ctrl[:] = targets[k]
                 before = perf_counter_ns()
                 mujoco.mj_step(model, data)
                 stepping += perf_counter_ns() - before
@@ -225,10 +225,10 @@ class MujocoEngine:
         # all at once: read one by one, the warnings cost as much as a step
         before, self._warned = self._warned, self._warnings.tolist()
         new = [] if before == self._warned else [now - then for now, then in zip(self._warned, before, strict=True)]
-        found = {mujoco.mjtWarning(k).name.removeprefix("mjWARN_"): count for k, count in enumerate(new) if count}
+        statuses = {mujoco.mjtWarning(k).name.removeprefix("mjWARN_"): count for k, count in enumerate(new) if count}
         if not np.isfinite(self._data.qpos).all():
-            found["not_finite"] = 1
-        return found
+            statuses["not_finite"] = 1
+        return statuses
 
 
 def _servo(chosen: Options) -> Servo:

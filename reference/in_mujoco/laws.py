@@ -17,11 +17,11 @@ BOUNCY = 0.3
 constant. With geoms alone a box sliding at restitution 0.8 stops 5 % short and creeps at rest; at 0.3 (all of
 Table 1) it does not."""
 
-MOST_RUBBING = 500
+MAX_RUBBING = 500
 """Pairs of bodies that do not bounce up to which each is explicit, so that its friction can be softer than its normal: see
 `friction_steps_resting` in presets.py. Above it, only their geoms carry the law."""
 
-MOST_CLASSES = 10
+MAX_CLASSES = 10
 """Classes of bodies up to which the best order of priorities is searched (2^10 sets); beyond it all pairs are
 explicit."""
 
@@ -75,19 +75,19 @@ def contact_laws(scene: Scene, bounce: bool) -> Laws:
                 key = (min(at[a], at[b]), max(at[a], at[b]))
                 counts[key] += len(_pieces(scene, a)) * len(_pieces(scene, b))
                 if key not in law:
-                    found = law_between(scene, a, b)
-                    law[key] = found if bounce else Law(found.friction, 0.0, False)
+                    stated = law_between(scene, a, b)
+                    law[key] = stated if bounce else Law(stated.friction, 0.0, False)
     order, own = _cheapest_order(len(known), counts, law)
     rank = {c: k for k, c in enumerate(order)}
     explicit = {}
-    few = sum(count for key, count in counts.items() if law[key].rubs) <= MOST_RUBBING
+    few = sum(count for key, count in counts.items() if law[key].rubs) <= MAX_RUBBING
     for a in range(n):
         for b in range(a + 1, n):
             if wanted[a, b]:
                 key = (min(at[a], at[b]), max(at[a], at[b]))
                 winner = max(key, key=lambda c: rank[c])
                 apart = law[key].restitution > BOUNCY or (few and bounce and law[key].rubs)
-                if law[key] != own[winner] or apart or len(known) > MOST_CLASSES:
+                if law[key] != own[winner] or apart or len(known) > MAX_CLASSES:
                     explicit[a, b] = law[key]
     return Laws(tuple((rank[c], own[c]) for c in at), explicit)
 
@@ -109,7 +109,7 @@ def _cheapest_order(n: int, counts: Counter[tuple[int, int]],
         favourite = max(votes, key=lambda v: (votes[v], v.friction, v.restitution))
         return sum(votes.values()) - votes[favourite], favourite
 
-    if n > MOST_CLASSES:
+    if n > MAX_CLASSES:
         return list(range(n)), [Law(1.0, 0.0, False)] * n
     table: dict[frozenset[int], tuple[int, tuple[int, ...], tuple[Law, ...]]] = {frozenset(): (0, (), ())}
     for size in range(1, n + 1):
@@ -122,8 +122,8 @@ def _cheapest_order(n: int, counts: Counter[tuple[int, int]],
             table[frozenset(members)] = min(options, key=lambda option: option[:2])
     _, order, laws = table[frozenset(range(n))]
     own = [Law(1.0, 0.0, False)] * n
-    for c, found in zip(order, laws, strict=True):
-        own[c] = found
+    for c, chosen in zip(order, laws, strict=True):
+        own[c] = chosen
     return list(order), own
 
 

@@ -62,7 +62,7 @@ class Motors:
         self._balls_late = np.array([late[f"b{first + k}"] for k in balls])
         self._targets, self._lead, self._stop, self._size = targets, lead, stop, int(model.nu)
 
-    def asked(self, goals: Goals, step: float) -> Array:
+    def controls(self, goals: Goals, step: float) -> Array:
         """Return controls (n - 1, nu) of the steps [s] to each posture but the first, ahead of it at that step's velocity."""
         angles = goals.angles[1:] + self._lead * self._hinges_late / step * np.diff(goals.angles, axis=0)
         turns = goals.turns[1:].copy()
@@ -70,14 +70,14 @@ class Motors:
         turned = rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(before), after))
         further = rotation.from_rotation_vector(self._lead * self._balls_late[:, None] / step * turned)
         turns[:, self._balls] = rotation.multiply(after, further)
-        asked = np.zeros((len(angles), self._size))
+        controls = np.zeros((len(angles), self._size))
         for k in range(len(angles)):
             if self._stop:
-                kept = self._targets.within_limits(TrackerSample(0.0, goals.roots[k + 1], turns[k], angles[k]))
-                angles[k], turns[k] = kept.angles, kept.rotations
-        asked[:, self._hinges] = angles
-        asked[:, self._turned[:, None] + np.arange(4)] = turns[:, self._balls]
-        return asked
+                nearest = self._targets.within_limits(TrackerSample(0.0, goals.roots[k + 1], turns[k], angles[k]))
+                angles[k], turns[k] = nearest.angles, nearest.rotations
+        controls[:, self._hinges] = angles
+        controls[:, self._turned[:, None] + np.arange(4)] = turns[:, self._balls]
+        return controls
 
 
 def damp_swings(model: mujoco.MjModel, servo: Servo) -> None:

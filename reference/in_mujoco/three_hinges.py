@@ -38,10 +38,10 @@ def angles(limit: SwingTwist, orientation: ArrayLike, turn: ArrayLike) -> Array:
     """Return angles (3,) [rad] that turn the link as a ball joint with that `turn` and rest pose `orientation` does."""
     turned = rotation.multiply(rotation.conjugate(middle(limit)), rotation.multiply(orientation, turn))
     across = axes(limit)
-    found = across @ rotation.to_matrix(turned) @ across.T
+    matrix = across @ rotation.to_matrix(turned) @ across.T
     return np.array([
-        np.arctan2(-found[1, 2], found[2, 2]), np.arctan2(found[0, 2], np.hypot(found[0, 0], found[0, 1])),
-        np.arctan2(-found[0, 1], found[0, 0]),
+        np.arctan2(-matrix[1, 2], matrix[2, 2]), np.arctan2(matrix[0, 2], np.hypot(matrix[0, 0], matrix[0, 1])),
+        np.arctan2(-matrix[0, 1], matrix[0, 0]),
     ])
 
 

@@ -10,35 +10,35 @@ from reference.narrowing import alike_in_both
 
 def unsupported(scene: Scene, hinged: bool = False) -> Mapping[str, str]:
     """Return the differences; empty when MuJoCo can express all of the scene; `hinged`: each ball joint is three hinges."""
-    found: dict[str, str] = {}
+    features: dict[str, str] = {}
     links = scene.links
     balls = [link.joint for link in links if isinstance(link.joint, Ball)]
     pieces = [piece for body in scene.bodies for piece in body.pieces]
     pieces += [piece for link in links for piece in link.pieces]
     if any(isinstance(piece.shape, ConvexHull) for piece in pieces):
-        found["vertices"] = "kept in single precision: hulls are off by up to 6e-8 of their distance from the origin"
+        features["vertices"] = "kept in single precision: hulls are off by up to 6e-8 of their distance from the origin"
     limited = any(ball.limits for ball in balls)
     if limited and hinged:
-        found["swing and twist limits"] = (
+        features["swing and twist limits"] = (
             "three hinges with ranges replace each ball joint: they limit Cardan angles, the second to 89 degrees; tendons limit "
             "swing cones besides"
         )
     elif limited:
-        found["twist limits"] = (
+        features["twist limits"] = (
             "our adapter makes ball joints, whose range limits their total rotation only; swing cones are said by tendons (tuned "
             "only, as no such limit is documented); twist is limited in what the joint is asked for (tuned only), not in what "
             "contact makes of it: three hinges with ranges (row mujoco/hinges) limit it, at other angles than these"
         )
     if scene.effects.restitution:
-        found["restitution"] = (
+        features["restitution"] = (
             "the default contact does not bounce; tuned, a one-step damper does, at the step in which overlap is "
             "found"
         )
     if scene.effects.coupling:
-        found["virtual coupling"] = (
+        features["virtual coupling"] = (
             "a weld is a spring that always pulls, where that of eq. 6 begins with a collision: with its K and R a link also "
             "sets out late; so a link goes back to its user as its weld has it"
         )
     if any(isinstance(avatar.links[0].joint, Rigid) for avatar in scene.avatars):
-        found["rigid root"] = "links that cannot move make no contact with fixed bodies"
-    return found | alike_in_both(scene)
+        features["rigid root"] = "links that cannot move make no contact with fixed bodies"
+    return features | alike_in_both(scene)

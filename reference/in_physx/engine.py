@@ -75,8 +75,8 @@ class PhysxEngine:
         angles = self._angles.measured(state[:, PLACE], state[:, TURN])
         stages = {"step": stepping, ADAPTER: perf_counter_ns() - began - stepping} if self._settings.time_stages else {}
         statuses = {} if np.isfinite(state).all() else {"not_finite": 1}
-        kept = inside if self._settings.record_inside else ()
-        return FrameRecord(inside[-1], angles, {"steps": self._count}, statuses, stages, tuple(kept))
+        snapshots = inside if self._settings.record_inside else ()
+        return FrameRecord(inside[-1], angles, {"steps": self._count}, statuses, stages, tuple(snapshots))
 
     def close(self) -> None:
         """Drop the world; its actors are freed with it."""

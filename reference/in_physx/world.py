@@ -43,7 +43,7 @@ ARM = 1.0
 apart at most, a hinge two points of its axis. Larger: rounding of positions counts more; smaller: that of directions."""
 BETWEEN_HINGES = 0.1
 """Mass and inertia of a stand-in between hinges that share a centre, as a share of the link's. Smaller: joints converge worse."""
-MOST_VERTICES = 129
+MAX_VERTICES = 129
 """Vertices of a hull, and of one that replaces an ellipsoid. The package thins larger ones, by up to 10 mm of 0.3 m."""
 WHOLE_TURN = 2.0 * np.pi - 1e-3
 """Range of a hinge [rad] from which on it has no limits: angles wrap."""
@@ -240,7 +240,7 @@ def _shape(shape: Shape, material: Any) -> tuple[Any, Any]:
     if isinstance(shape, Capsule):
         along = Pose(np.zeros(3), rotation.between(X, (0.0, 0.0, 1.0)))
         return physx.PhysxCollisionShapeCapsule(shape.radius, 0.5 * shape.length, material), along
-    points = hull_of(shape, MOST_VERTICES).vertices
+    points = hull_of(shape, MAX_VERTICES).vertices
     # as large as 2 m along its own axes, and scaled back: vertices nearer than a thousandth of that become one
     axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2]
     axes[0] *= np.linalg.det(axes)

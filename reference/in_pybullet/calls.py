@@ -27,7 +27,7 @@ def grouped(rows: Iterable[tuple[str, Arguments]]) -> list[str]:
         rounded = ((name, float(f"{value:.9g}") if isinstance(value, float) else value) for name, value in arguments.items())
         same.setdefault(tuple(rounded), []).append(where)
     lines = []
-    for told, places in same.items():
-        line = call("changeDynamics", Name("body"), Name("link"), **dict(told))
+    for settings, places in same.items():
+        line = call("changeDynamics", Name("body"), Name("link"), **dict(settings))
         lines += [f"for body, link in ({', '.join(places)},):", f"    {line}"]
     return lines

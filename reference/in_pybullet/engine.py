@@ -147,17 +147,17 @@ class PybulletEngine:
 
     def _parameters(self) -> list[dict[str, float]]:
         """Return the parameters of the engine, call by call."""
-        told: list[dict[str, float]] = [{
+        calls: list[dict[str, float]] = [{
             "numSolverIterations": int(self._chosen.number("solver_iterations")),
             "contactSlop": self._chosen.number("contact_slop"),
             "contactBreakingThreshold": self._chosen.number("breaking_threshold"),
             "restitutionVelocityThreshold": self._chosen.number("restitution_threshold"), "deterministicOverlappingPairs": 1,
         }]
         if self._chosen["set_contact_erp"].value:
-            told.append({"contactERP": self._chosen.number("contact_erp")})
+            calls.append({"contactERP": self._chosen.number("contact_erp")})
         if self._chosen["split_impulse"].value:
-            told.append({"useSplitImpulse": 1, "splitImpulsePenetrationThreshold": 0.0})
-        return told
+            calls.append({"useSplitImpulse": 1, "splitImpulsePenetrationThreshold": 0.0})
+        return calls
 
     def _set_bodies(self) -> None:
         for body, link, arguments in self._dynamics():

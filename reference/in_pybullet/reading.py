@@ -49,16 +49,16 @@ class Reading:
     def raw(self) -> list[float]:
         """Return the state of the moving bodies, in the order of `read`, as Bullet has it now: STATED numbers each, one after the
         other, since numpy takes three times as long over tuples of tuples."""
-        found: list[float] = []
+        values: list[float] = []
         for body in self._bases:
-            found += self._base(body)
+            values += self._base(body)
         for body, links in self._links.items():
             states = pybullet.getLinkStates(
                 body, links, computeLinkVelocity=1, computeForwardKinematics=1, physicsClientId=self._client
             )
             for state in states:
-                found += state[0] + state[1] + state[6] + state[7]
-        return found
+                values += state[0] + state[1] + state[6] + state[7]
+        return values
 
     def snapshots(self, times: Sequence[float], raw: Sequence[list[float]]) -> tuple[Snapshot, ...]:
         """Return the states read at `times` [s] since load, as body frames."""
@@ -76,11 +76,11 @@ class Reading:
 
     def angles(self) -> Array:
         """Return hinge angles (hinges,) [rad] in the order of tracker samples."""
-        found: list[float] = []
+        angles: list[float] = []
         for body, joints in self._hinges.items():
             states = pybullet.getJointStates(body, joints, physicsClientId=self._client)
-            found += [state[0] for state in states]
-        return np.array(found, dtype=np.float64)
+            angles += [state[0] for state in states]
+        return np.array(angles, dtype=np.float64)
 
     def _base(self, body: int) -> tuple[float, ...]:
         at, turn = pybullet.getBasePositionAndOrientation(body, physicsClientId=self._client)

@@ -21,13 +21,13 @@ IDENTITY = np.array(rotation.IDENTITY)
 SAME = 1e-12
 """Places [m] and turns that differ by no more are one: rounding errors must not keep a shape from its own frame."""
 
-MOST_PIECES = 16
+MAX_PIECES = 16
 """Pieces that PyBullet takes for one compound (MAX_COMPOUND_COLLISION_SHAPES in its headers): more are dropped silently."""
 
 
 def parted(pieces: tuple[Piece, ...]) -> list[tuple[Piece, ...]]:
     """Return `pieces` in groups that PyBullet takes whole; one empty group of none."""
-    return [pieces[k : k + MOST_PIECES] for k in range(0, len(pieces), MOST_PIECES)] or [()]
+    return [pieces[k : k + MAX_PIECES] for k in range(0, len(pieces), MAX_PIECES)] or [()]
 
 
 def xyzw(quaternion: Array | Quaternion) -> list[float]:
@@ -54,9 +54,9 @@ def placed(pieces: tuple[Piece, ...], frame: Array, centre: Array, hulls: bool =
     it, whose contacts begin when boxes around the parts overlap and end when they do not. Only the shape itself is met before it
     overlaps. Raises InvalidScene for more pieces than PyBullet takes.
     """
-    if len(pieces) > MOST_PIECES:
-        raise InvalidScene("pieces of a moving body or link in PyBullet", len(pieces), f"at most {MOST_PIECES}")
-    back, found = rotation.conjugate(frame), list[Placed]()
+    if len(pieces) > MAX_PIECES:
+        raise InvalidScene("pieces of a moving body or link in PyBullet", len(pieces), f"at most {MAX_PIECES}")
+    back, shapes = rotation.conjugate(frame), list[Placed]()
     for piece in pieces:
         shape: Shape | Array = corners(piece.shape) if hulls and isinstance(piece.shape, Box) else piece.shape
         place, turn = rotation.rotate(back, piece.position), rotation.multiply(back, piece.orientation)
@@ -67,8 +67,8 @@ def placed(pieces: tuple[Piece, ...], frame: Array, centre: Array, hulls: bool =
             elif np.abs(place - centre).max() < SAME:
                 shape, turn = _upright(shape, turn)
                 place = centre if turn is IDENTITY else place
-        found.append((shape, place.tolist(), xyzw(turn)))
-    return found
+        shapes.append((shape, place.tolist(), xyzw(turn)))
+    return shapes
 
 
 def _upright(shape: Shape | Array, turn: Array) -> tuple[Shape | Array, Array]:

@@ -16,13 +16,13 @@ the second; smaller: more joints are without a limit of their swing."""
 
 def unsupported(scene: Scene) -> Mapping[str, str]:
     """Return the differences; empty when PyBullet can express all of the scene."""
-    found = alike_in_game_engines(scene)
+    features = alike_in_game_engines(scene)
     limits = [link.joint.limits for link in scene.links if isinstance(link.joint, Ball) and link.joint.limits is not None]
     if limits:
         wide = sum(limit.swing > WIDEST for limit in limits)
-        found["swing cones"] = (
+        features["swing cones"] = (
             "a joint has limits of two angles and of twist: a cone is the pyramid about it, up to 16 degrees wider in its corners"
             + (f"; of {wide} joints with cones wider than {np.degrees(WIDEST):g} degrees only twist is limited" if wide else "")
             + ". Motors hold harder beyond the cone (tuned only)"
         )
-    return found
+    return features

@@ -33,10 +33,10 @@ class RapierEngine:
 
     def unsupported(self, scene: Scene) -> Mapping[str, str]:
         """Return unsupported features: feature -> consequence."""
-        found = alike_in_game_engines(scene)
+        lacks = alike_in_game_engines(scene)
         if any(isinstance(link.joint, Ball) and link.joint.limits for link in scene.links):
-            found["swing cones"] = "by default limits about two axes, a pyramid with corners a third wider; tuned, ropes: a cone"
-        return found
+            lacks["swing cones"] = "by default limits about two axes, a pyramid with corners a third wider; tuned, ropes: a cone"
+        return lacks
 
     def settings_as_run(self) -> Mapping[str, object]:
         """Return every setting in force after `load`: name -> (value, reason)."""
@@ -92,8 +92,8 @@ class RapierEngine:
                 inside.append(shown)
         stages = {"step": stepping, ADAPTER: perf_counter_ns() - began - stepping} if self._settings.time_stages else {}
         statuses = {"quarantined": lost} if lost else {}
-        angles, kept = self._angles.measured(*poses), tuple(inside) if self._settings.record_inside else ()
-        return FrameRecord(inside[-1], angles, {"steps": self._count}, statuses, stages, kept)
+        angles, snapshots = self._angles.measured(*poses), tuple(inside) if self._settings.record_inside else ()
+        return FrameRecord(inside[-1], angles, {"steps": self._count}, statuses, stages, snapshots)
 
     def close(self) -> None:
         """Drop the world."""

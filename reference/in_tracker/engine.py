@@ -22,12 +22,12 @@ class RawTracker:
 
     def unsupported(self, scene: Scene) -> Mapping[str, str]:
         """Return the features left out: all but kinematics."""
-        found = {}
+        features = {}
         if scene.avatars:
-            found["contact"] = "links go where the tracker has them, through everything"
+            features["contact"] = "links go where the tracker has them, through everything"
         if any(role is Role.SIMULATED for role in scene.roles):
-            found["dynamics"] = "simulated bodies stay where they are at the start"
-        return found
+            features["dynamics"] = "simulated bodies stay where they are at the start"
+        return features
 
     def settings_as_run(self) -> Mapping[str, object]:
         """Return no settings: nothing can be set."""

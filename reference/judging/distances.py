@@ -26,7 +26,7 @@ EPA_ITERATIONS = 512
 one centre came out 1 mm too shallow."""
 
 
-MOST_AXES = 4000
+MAX_AXES = 4000
 """Axes that edges may span up to which all are tried; beyond, the hull of all differences is as fast."""
 
 
@@ -56,26 +56,26 @@ class Distances:
         state, first, second = near
         offsets = at[state, first] - at[state, second]
         # two balls need no iteration, and so no proof; all others are nan here
-        found = np.linalg.norm(offsets, axis=1) - self._radii[first] - self._radii[second]
-        asked, decided = np.flatnonzero(np.isnan(found)), np.zeros(len(found), dtype=np.bool_)
-        normals = self._ask(asked, near, at, turned, found)
-        for rows in _alike(asked, first * len(self._radii) + second):
+        distances = np.linalg.norm(offsets, axis=1) - self._radii[first] - self._radii[second]
+        undecided, decided = np.flatnonzero(np.isnan(distances)), np.zeros(len(distances), dtype=np.bool_)
+        normals = self._ask(undecided, near, at, turned, distances)
+        for rows in _alike(undecided, first * len(self._radii) + second):
             a, b = int(first[rows[0]]), int(second[rows[0]])
             turn_a, turn_b = turned[state[rows], a], turned[state[rows], b]
             one, other = self._pieces.outlines[a], self._pieces.outlines[b]
-            sound = hold(found[rows], normals[rows], one, turn_a, other, turn_b, offsets[rows])
+            sound = hold(distances[rows], normals[rows], one, turn_a, other, turn_b, offsets[rows])
             if sound.all():
                 continue
             open_ = np.flatnonzero(~sound)
             decided[rows[open_]] = True
-            found[rows[open_]] = self._decided(a, turn_a[open_], b, turn_b[open_], offsets[rows[open_]])
-        return found, decided
+            distances[rows[open_]] = self._decided(a, turn_a[open_], b, turn_b[open_], offsets[rows[open_]])
+        return distances, decided
 
-    def _ask(self, asked: Indices, near: Near, at: Array, turned: Array, found: Array) -> Array:
-        """Write coal's claims [m] for the rows `asked` into `found` (k,); the normals (k, 3) out of the second into the first."""
-        normals, geometries, placements = np.zeros((len(found), 3)), self._pieces.geometries, self._placements
+    def _ask(self, undecided: Indices, near: Near, at: Array, turned: Array, distances: Array) -> Array:
+        """Write coal's claims [m] for `undecided` into `distances` (k,); the normals (k, 3) out of the second into the first."""
+        normals, geometries, placements = np.zeros((len(distances), 3)), self._pieces.geometries, self._placements
         smooth, result, before, placed = self._smooth, self._result, -1, set[int]()
-        columns = (rows.tolist() for rows in (asked, *near.at(asked)))
+        columns = (rows.tolist() for rows in (undecided, *near.at(undecided)))
         for row, k, a, b in zip(*columns, strict=True):
             if k != before:
                 before = k
@@ -87,7 +87,7 @@ class Distances:
             # coal keeps the smaller of the old and the new distance unless the old one is reset
             result.clear()
             request = self._requests[smooth[a] or smooth[b]]
-            found[row] = coal.distance(geometries[a], placements[a], geometries[b], placements[b], request, result)
+            distances[row] = coal.distance(geometries[a], placements[a], geometries[b], placements[b], request, result)
             # coal's normal points from its first body into its second
             normals[row] = -result.normal
         return normals
@@ -98,7 +98,7 @@ class Distances:
         one, other = self._pieces.outlines[a], self._pieces.outlines[b]
         distances, rows = np.full(len(offsets), np.nan), np.arange(len(offsets))
         axes = 2 * len(one.edges) * len(other.edges)
-        if len(one.faces) and len(other.faces) and axes <= MOST_AXES:
+        if len(one.faces) and len(other.faces) and axes <= MAX_AXES:
             for some in in_parts(rows, axes * (len(one.points) + len(other.points))):
                 distances[some] = largest_over_axes(one, turns_a[some], other, turns_b[some], offsets[some])
         for k in np.flatnonzero(~(distances < 0.0)):

@@ -16,12 +16,12 @@ from avatarsim.spatial import rotation
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-MOST_KEPT = 1024
+CACHE_SIZE = 1024
 """Shapes whose geometry and outline are kept: equal ones, and those of a scene that is judged again, need not be made again.
 Fewer than the pieces of one scene would keep nothing."""
 
 
-@lru_cache(maxsize=MOST_KEPT)
+@lru_cache(maxsize=CACHE_SIZE)
 def coal_geometry(shape: Shape) -> coal.CollisionGeometry:
     """Return `shape` as coal's own kind of it; hulls vertex for vertex, and boxes as hulls of their corners.
 
@@ -39,11 +39,11 @@ def coal_geometry(shape: Shape) -> coal.CollisionGeometry:
 
 def _coal_hull(vertices: Array) -> coal.CollisionGeometry:
     """Return a coal hull of `vertices` (n, 3), faces wound counter-clockwise seen from outside; inner points are dropped."""
-    kept, wound = wound_faces(vertices)
+    used, wound = wound_faces(vertices)
     rank = np.zeros(len(vertices), dtype=np.int64)
-    rank[kept] = np.arange(len(kept))
+    rank[used] = np.arange(len(used))
     points, faces = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
-    for vertex in vertices[kept]:
+    for vertex in vertices[used]:
         points.append(vertex)
     for i, j, k in rank[wound].tolist():
         faces.append(coal.Triangle(i, j, k))
@@ -123,7 +123,7 @@ class Outline:
         return np.asarray((axes @ self.points.T).max(axis=-1) + self.radius)
 
 
-@lru_cache(maxsize=MOST_KEPT)
+@lru_cache(maxsize=CACHE_SIZE)
 def outline(shape: Shape) -> Outline:
     """Return the outline of `shape`, which nothing changes."""
     return Outline(shape)

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 Question = tuple[Shape, Array, Shape, Array, Array]
 """A shape and its turn (3, 3), another and its turn, and where the first lies as seen from the second (3,) [m]."""
 
-PATIENCE = 60.0
+TIMEOUT = 60.0
 """Longest wait [s] for one answer before the process counts as lost; an answer takes microseconds, starting under a second."""
 
 
@@ -59,7 +59,7 @@ def fcl_distances(questions: Sequence[Question]) -> Array:
         child.start()
         there.close()
         with suppress(EOFError, ConnectionError):
-            while begun < len(questions) and here.poll(PATIENCE):
+            while begun < len(questions) and here.poll(TIMEOUT):
                 answers[begun] = here.recv()
                 begun += 1
         if begun < len(questions):

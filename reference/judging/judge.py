@@ -97,8 +97,8 @@ class Judge:
             deep = np.flatnonzero(~(distances >= 0.0))
             state = near.state[deep]
             for some in np.split(deep, np.flatnonzero(np.diff(state)) + 1) if len(deep) else ():
-                found = self._verdict(near.first[some], near.second[some], distances[some], 0)
-                verdicts[sound[near.state[some[0]]]] = replace(found, gap=np.nan)
+                verdict = self._verdict(near.first[some], near.second[some], distances[some], 0)
+                verdicts[sound[near.state[some[0]]]] = replace(verdict, gap=np.nan)
         return verdicts
 
     def depths(self, positions: Array, orientations: Array) -> Array:
@@ -107,30 +107,30 @@ class Judge:
 
     def deepest(self, positions: Array, orientations: Array) -> float:
         """Return the deepest overlap [m] of all these states together; nan when one of them has no pose or a pair no distance."""
-        found = 0.0 if self._sound(positions, orientations).all() else np.nan
+        depth = 0.0 if self._sound(positions, orientations).all() else np.nan
         for _, world, near in self._blocks(positions, orientations):
             # a pair without a distance stays nan
-            found = np.maximum(found, 0.0 - np.min(self._where_deep(world, near, True), initial=0.0))
-        return float(found)
+            depth = np.maximum(depth, 0.0 - np.min(self._where_deep(world, near, True), initial=0.0))
+        return float(depth)
 
     def link_depths(self, positions: Array, orientations: Array) -> Array:
         """Return (F,) the deepest overlap over pairs in which a link takes part."""
         link = self.pieces.owner >= len(self.scene.bodies)
-        found = np.where(self._sound(positions, orientations).all(axis=1), 0.0, np.nan)
+        depths = np.where(self._sound(positions, orientations).all(axis=1), 0.0, np.nan)
         for sound, world, near in self._blocks(positions, orientations):
             linked = near.at(link[near.first] | link[near.second])
-            np.maximum.at(found, sound[linked.state], -self._where_deep(world, linked, False))
-        return found
+            np.maximum.at(depths, sound[linked.state], -self._where_deep(world, linked, False))
+        return depths
 
     def link_gaps(self, positions: Array, orientations: Array, reach: float) -> Array:
         """Return (F,) the smallest distance [m] of a pair in which a link takes part, negative where it overlaps; inf where the
         boxes of no such pair are within `reach` [m] of each other, nan where the poses are no poses or a pair has no distance."""
         link = self.pieces.owner >= len(self.scene.bodies)
-        found = np.where(self._sound(positions, orientations).all(axis=1), np.inf, np.nan)
+        gaps = np.where(self._sound(positions, orientations).all(axis=1), np.inf, np.nan)
         for sound, world, near in self._blocks(positions, orientations, reach):
             linked = near.at(link[near.first] | link[near.second])
-            np.minimum.at(found, sound[linked.state], self._beyond_rest(world, linked)[0])
-        return found
+            np.minimum.at(gaps, sound[linked.state], self._beyond_rest(world, linked)[0])
+        return gaps
 
     def _all_faults(self, positions: Array, orientations: Array) -> list[Verdict]:
         """Return FREE for every state whose poses are poses, and why not for the others."""
@@ -175,7 +175,7 @@ class Judge:
             one, other = int(owner[first[k]]), int(owner[second[k]])
             key = (min(one, other), max(one, other))
             depths[key] = max(depths.get(key, 0.0), -float(distances[k]))
-        pairs = sorted(((names[one], names[other], depth) for (one, other), depth in depths.items()), key=lambda found: -found[2])
+        pairs = sorted(((names[one], names[other], depth) for (one, other), depth in depths.items()), key=lambda pair: -pair[2])
         return Verdict(pairs[0][2], pairs[0][:2], tuple(pairs), gap, decided=decided)
 
     def distances(self, positions: Array, orientations: Array, reach: float = 0.0) -> tuple[Indices, Indices, Array]:

@@ -184,8 +184,8 @@ class Gallery:
         for k, (a, b) in enumerate(self.shapes):
             at_a[k] += offset(regime, a, turns[k], b, turns[n + k], _toward(b, turns[n + k], random), random)
         # the judge's input carries the rounding of the place, and so does the exact answer
-        found = [exact(a, turns[k], b, turns[n + k], at_a[k] - at_b[k]) for k, (a, b) in enumerate(self.shapes)]
-        return Placed(np.concatenate([at_a, at_b]), orientations, np.array(found))
+        distances = [exact(a, turns[k], b, turns[n + k], at_a[k] - at_b[k]) for k, (a, b) in enumerate(self.shapes)]
+        return Placed(np.concatenate([at_a, at_b]), orientations, np.array(distances))
 
 
 def _toward(b: Shape, turn_b: Array, random: Random) -> Array:

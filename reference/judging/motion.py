@@ -61,10 +61,10 @@ def where_deep(near: Near, moves: Moves, measure: Measure, deepest_only: bool) -
             before = order[rank[there] - place[there] % STRIDES[k - 1]]
             least[there] = least[before] - moves.between(near.at(there), near.state[before])
         # non-finite ones are measured, too
-        asked = there[~(least[there] >= floor)]
-        least[asked] = measure(near.at(asked))
-        if deepest_only and len(asked):
-            floor = min(floor, float(np.min(least[asked])))
+        measured = there[~(least[there] >= floor)]
+        least[measured] = measure(near.at(measured))
+        if deepest_only and len(measured):
+            floor = min(floor, float(np.min(least[measured])))
     return least
 
 

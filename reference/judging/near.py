@@ -9,7 +9,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-MOST_PAIRS = 3000
+MAX_PAIRS = 3000
 """Pairs up to which all are compared in all states at once. Above, sorting along one axis finds first those that may meet."""
 
 CROWD_AT_ONCE = 16
@@ -35,9 +35,9 @@ def near_pairs(may_meet: Flags, low: Array, high: Array, reach: float) -> Near:
     """Return for each of F states the pairs of p pieces that `may_meet` (p, p), each pair once, and whose boxes low, high (F, p,
     3) [m] come within `reach` [m]."""
     first, second = np.nonzero(np.triu(may_meet, 1))
-    crowd = len(first) > MOST_PAIRS
+    crowd = len(first) > MAX_PAIRS
     chunk = CROWD_AT_ONCE if crowd else max(1, AT_ONCE // max(1, len(first)))
-    found = [Near(*(np.zeros(0, dtype=np.int64),) * 3)]
+    parts = [Near(*(np.zeros(0, dtype=np.int64),) * 3)]
     for start in range(0, len(low), chunk):
         # piece by piece in one line of memory each, so that a pair's states lie side by side
         lower, upper = (np.ascontiguousarray(box[start : start + chunk].transpose(2, 1, 0)) for box in (low, high + reach))
@@ -51,11 +51,11 @@ def near_pairs(may_meet: Flags, low: Array, high: Array, reach: float) -> Near:
             one, other = first[pairs], second[pairs]
             near &= (along[one] <= end[other]) & (along[other] <= end[one])
             # most pairs are far apart along one axis in every state
-            kept = near.any(axis=1)
-            pairs, near = pairs[kept], near[kept]
+            crowded = near.any(axis=1)
+            pairs, near = pairs[crowded], near[crowded]
         state, row = np.nonzero(near.T)
-        found.append(Near(state + start, first[pairs[row]], second[pairs[row]]))
-    return Near(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
+        parts.append(Near(state + start, first[pairs[row]], second[pairs[row]]))
+    return Near(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
 def by_sorting(may_meet: Flags, low: Array, high: Array) -> tuple[Indices, Indices]:

@@ -26,7 +26,7 @@ def one_by_one(may_meet: np.ndarray, low: np.ndarray, high: np.ndarray, reach: f
 @pytest.mark.parametrize("reach", [0.0, 0.1, 10.0])
 @pytest.mark.parametrize("most", [0, 3000])
 def test_each_way_finds_every_near_pair_once(reach: float, most: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(judge_near, "MOST_PAIRS", most)
+    monkeypatch.setattr(judge_near, "MAX_PAIRS", most)
     monkeypatch.setattr(judge_near, "AT_ONCE", 200)
     monkeypatch.setattr(judge_near, "CROWD_AT_ONCE", 4)
     may_meet, low, high = boxes(5, 6, 12)
@@ -45,7 +45,7 @@ def test_boxes_that_touch_are_near_and_no_state_asks_nothing(monkeypatch: pytest
     assert len(near_pairs(may_meet, low, high, 0.0).first) == 1
     assert len(by_sorting(may_meet, low[0], high[0])[0]) == 1
     for most in (0, 3000):
-        monkeypatch.setattr(judge_near, "MOST_PAIRS", most)
+        monkeypatch.setattr(judge_near, "MAX_PAIRS", most)
         assert [len(column) for column in near_pairs(may_meet, low[:0], high[:0], 0.0)] == [0, 0, 0]
 
 
