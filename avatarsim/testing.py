@@ -82,10 +82,10 @@ def check_engine(make: Make, preset: str | None = None, *, raises: bool = True) 
     Returns:
         Its faults; empty for a sound engine.
     """
-    found = tuple(_findings(make, preset))
-    if found and raises:
-        raise AssertionError("\n".join([f"{len(found)} findings:", *map(str, found)]))
-    return found
+    findings = tuple(_findings(make, preset))
+    if findings and raises:
+        raise AssertionError("\n".join([f"{len(findings)} findings:", *map(str, findings)]))
+    return findings
 
 
 def _findings(make: Make, preset: str | None) -> Iterator[Finding]:
@@ -315,8 +315,8 @@ def _presets(make: Make) -> Iterator[str]:
 def _angles(a: Array, b: Array) -> Array:
     """Return the angles [rad] between orientations (..., 4)."""
     turn = rotation.to_rotation_vector(rotation.multiply(a, rotation.conjugate(b)))
-    found: Array = np.linalg.norm(turn, axis=-1)
-    return found
+    angles: Array = np.linalg.norm(turn, axis=-1)
+    return angles
 
 
 def _hand() -> Scene:

@@ -33,7 +33,7 @@ PAIRS_ROOM: Final = 16
 NOTHING, SWEEP, ONE_AXIS = range(3)
 """Work of a frame after the boxes have moved."""
 KERNELS: Final = {"sweep and prune": SWEEP, "one axis": ONE_AXIS}
-MOST_OBJECTS: Final = {SWEEP: 10**9, ONE_AXIS: 6000}
+MAX_OBJECTS: Final = {SWEEP: 10**9, ONE_AXIS: 6000}
 """Beyond these a frame takes too long for a measurement."""
 FULL, QUICK = (400, 9, 200_000), (3, 1, 100)
 """Warm-up frames, samples, and objects times frames in a sample."""
@@ -101,7 +101,7 @@ def frames(
     """So many frames; every moving box swings about its ``rest``. Returns the number of pairs found in the last one."""
     # as the engine passes them; by value they would be copied in every frame
     wanted, memory = refer(wanted), refer(memory)
-    found = 0
+    pair_count = 0
     for _ in range(count):
         for m in range(moving.shape[0]):
             b = moving[m]
@@ -110,10 +110,10 @@ def frames(
                 boxes[b, k] += speed[m, k]
                 boxes[b, k + 3] += speed[m, k]
         if what == SWEEP:
-            found = sweep_and_prune(boxes, wanted, memory, pairs)[1]
+            pair_count = sweep_and_prune(boxes, wanted, memory, pairs)[1]
         elif what == ONE_AXIS:
-            found = one_axis(boxes, wanted, order, pairs)
-    return found
+            pair_count = one_axis(boxes, wanted, order, pairs)
+    return pair_count
 
 
 class Course:
@@ -157,7 +157,7 @@ def measure(layout: str, motion: str, name: str, sizes: Sequence[int], plan: tup
     this process only, so that other programs count less.
     """
     what, (warm, samples, work) = KERNELS[name], plan
-    courses = {size: Course(field(layout, motion, size), what, work) for size in sizes if size <= MOST_OBJECTS[what]}
+    courses = {size: Course(field(layout, motion, size), what, work) for size in sizes if size <= MAX_OBJECTS[what]}
     for one in courses.values():
         one.seconds(NOTHING, 1)
         one.seconds(what, max(warm, one.field.period) if what == SWEEP else SLOWER)

@@ -37,7 +37,7 @@ STEPS = 10
 """Equal steps between frames at which the judge looks as well."""
 EXCESS = 1e-9
 """[rad] beyond a limit that rounding may leave."""
-MOST_JERK = 1.5
+MAX_JERK = 1.5
 """Largest jerk where the input was free, in multiples of the input's there."""
 
 
@@ -90,8 +90,8 @@ def depths(judge: Judge, motion: Motion) -> Array:
 
 def between(motion: Motion) -> Motion:
     """Return the inner ones of STEPS equal steps from each frame to the next."""
-    found = [motion.between(k, n / STEPS) for k in range(len(motion) - 1) for n in range(1, STEPS)]
-    arrays = ([getattr(sample, name) for sample in found] for name in ("time", "positions", "rotations", "angles"))
+    samples = [motion.between(k, n / STEPS) for k in range(len(motion) - 1) for n in range(1, STEPS)]
+    arrays = ([getattr(sample, name) for sample in samples] for name in ("time", "positions", "rotations", "angles"))
     return Motion(*(np.array(array) for array in arrays))
 
 
@@ -107,15 +107,15 @@ def row(played: Played, room: str, options: Options) -> Row:
 def judged(clip: str, room: str, motion: Motion, cleaned: Cleaned, judge: Judge, seconds: float) -> Row:
     """Return the figures of one clip that took `seconds` to clean."""
     before, after, free, duration = cleaned.before, cleaned.after, ~cleaned.held, float(motion.times[-1] - motion.times[0])
-    found, left, inside = (depths(judge, one) for one in (motion, cleaned.motion, between(cleaned.motion)))
-    overlaps, stay, come = (int(np.sum(~(one <= OVERLAP))) for one in (found, left, inside))
+    depth, left, inside = (depths(judge, one) for one in (motion, cleaned.motion, between(cleaned.motion)))
+    overlaps, stay, come = (int(np.sum(~(one <= OVERLAP))) for one in (depth, left, inside))
     jerk, held = ratio(after.jerk_free, before.jerk_free), ratio(after.jerk_held, before.jerk_held)
     broken = {
         "overlap in a frame": stay + after.overlapping, "overlap between frames": come,
-        "a motion without proof": after.unproven, "limits": not after.limit_excess <= EXCESS, "jerk": jerk > MOST_JERK,
+        "a motion without proof": after.unproven, "limits": not after.limit_excess <= EXCESS, "jerk": jerk > MAX_JERK,
     }
     return Row(
-        clip, room, duration, before.frames, overlaps, 1e3 * float(found.max()), before.unproven, before.limit_excess, stay,
+        clip, room, duration, before.frames, overlaps, 1e3 * float(depth.max()), before.unproven, before.limit_excess, stay,
         come, after.unproven, after.limit_excess, jerk, held, int(free.sum()), int(np.sum(free & cleaned.changed)),
         1e3 * float(cleaned.moved.link_p95.max()), duration / seconds, "; ".join(name for name in broken if broken[name]),
     )

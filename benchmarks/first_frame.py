@@ -18,7 +18,7 @@ from scenarios.cli.plan import filtered
 from scenarios.job import Job
 from scenarios.run.timed_worker import TimedWorker
 
-MOST_TIMES = 10.0
+MAX_RATIO = 10.0
 """Longest first frame, in multiples of the median frame."""
 FRAMES, QUICK_FRAMES = 600, 20
 """Most frames run per scene: the median is that of ten seconds."""
@@ -60,13 +60,13 @@ def measure(scene: str, preset: str, frames: int) -> Row | str:
 
 def best(scene: str, preset: str, frames: int) -> Row | str:
     """Measure a scene, again where its first frame takes too long; the smallest ratio counts."""
-    found: list[Row] = []
-    while len(found) < TRIES and not (found and found[-1].ratio <= MOST_TIMES):
+    tries: list[Row] = []
+    while len(tries) < TRIES and not (tries and tries[-1].ratio <= MAX_RATIO):
         answer = measure(scene, preset, frames)
         if isinstance(answer, str):
             return answer
-        found.append(answer)
-    return min(found, key=lambda row: row.ratio)
+        tries.append(answer)
+    return min(tries, key=lambda row: row.ratio)
 
 
 def run(arguments: argparse.Namespace, folder: Path) -> int:
@@ -78,14 +78,14 @@ def run(arguments: argparse.Namespace, folder: Path) -> int:
     failed = 0
     for preset in arguments.preset:
         for name in names:
-            found = best(name, preset, QUICK_FRAMES if arguments.quick else FRAMES)
-            print(f"first frame  {name} {preset}{f': {found}' if isinstance(found, str) else ''}", file=sys.stderr, flush=True)
-            if isinstance(found, Row):
-                rows.append(found)
-            elif not found.startswith(StartOverlaps.__name__):
+            result = best(name, preset, QUICK_FRAMES if arguments.quick else FRAMES)
+            print(f"first frame  {name} {preset}{f': {result}' if isinstance(result, str) else ''}", file=sys.stderr, flush=True)
+            if isinstance(result, Row):
+                rows.append(result)
+            elif not result.startswith(StartOverlaps.__name__):
                 failed += 1
     rows.sort(key=lambda row: -row.ratio)
-    bad = sum(not row.ratio <= MOST_TIMES for row in rows)
-    print_rows(f"{bad} of {len(rows)} first frames take more than {MOST_TIMES:g} medians", rows)
+    bad = sum(not row.ratio <= MAX_RATIO for row in rows)
+    print_rows(f"{bad} of {len(rows)} first frames take more than {MAX_RATIO:g} medians", rows)
     write_rows(folder / "first_frame.csv", rows, Row)
     return 1 if bad else 3 if failed else 0

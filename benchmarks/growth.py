@@ -19,7 +19,7 @@ from scenarios.run.timing import Clocked, timed_pass
 
 BEST = {"mujoco": ("tuned",), "pybullet": ("tuned",)}
 """Presets timed of the engines we compare with: their best for contact. Of all others every one."""
-MOST = {
+MAX_SIZES = {
     ("mujoco", "avatars"): 10, ("pybullet", "avatars"): 10, ("pybullet", "links"): 100,
     ("mujoco", "objects"): 200, ("pybullet", "objects"): 200,
 }
@@ -49,7 +49,7 @@ def jobs_of(kind: str, size: int, mode: str, engines: dict[str, tuple[str, ...]]
     name = f"{kind}_{size}_{mode}"
     jobs = [
         Job(name, engine, preset, full=True, catalogue=scenes.__name__) for engine, presets in engines.items()
-        for preset in presets if size <= MOST.get((engine, kind), size)
+        for preset in presets if size <= MAX_SIZES.get((engine, kind), size)
     ]
     asleep = [
         Job(name, engine, "sleeping", full=True, base=presets[0], options={"sleep": True}, catalogue=scenes.__name__)
@@ -82,10 +82,10 @@ def run(arguments: argparse.Namespace, folder: Path) -> int:
             smaller: dict[str, Row] = {}
             for size in sizes[:1] if arguments.quick else sizes:
                 # an engine that takes long gets fewer repeats
-                found = [row(kind, mode, size, one, smaller.get(one.job.run))
+                size_rows = [row(kind, mode, size, one, smaller.get(one.job.run))
                          for one in timed_pass(jobs_of(kind, size, mode, engines), False)]
-                smaller = {one.run: one for one in found}
-                rows += found
+                smaller = {one.run: one for one in size_rows}
+                rows += size_rows
                 print(f"growth  {kind} {size}, {mode}", file=sys.stderr, flush=True)
     for kind in scenes.SIZES:
         here = [row for row in rows if row.grows == kind]

@@ -49,18 +49,18 @@ def comb(links: int) -> Avatar:
     back = (Piece(Box((long, 0.2, 0.06))),)
     bar = (Piece(Capsule(THICK, LONG), (0.0, 0.0, -0.5 * LONG)),)
     hinge = Hinges((Hinge((1.0, 0.0, 0.0), -0.6, 0.6),))
-    found = [Link("back", None, Free(), back, solid(back, 5.0))]
+    parts = [Link("back", None, Free(), back, solid(back, 5.0))]
     for limb in range(limbs):
         at = -0.5 * long + NEXT_LIMB * (limb // 2 + 0.5)
         parent, anchor = "back", (at, 0.16 if limb % 2 else -0.16, 0.0)
         for k in range(JOINTED):
             name = f"limb_{limb}_{k}"
-            found.append(Link(name, parent, hinge, bar, solid(bar, 0.2), anchor=anchor))
+            parts.append(Link(name, parent, hinge, bar, solid(bar, 0.2), anchor=anchor))
             parent, anchor = name, (0.0, 0.0, -LONG - 2.0 * THICK - 0.005)
     # a limb bends next to the back and may rub along it at its root
-    beside = tuple(("back", f"limb_{limb}_{k}") for limb in range(limbs) for k in (0, 1))
+    rubbing_pairs = tuple(("back", f"limb_{limb}_{k}") for limb in range(limbs) for k in (0, 1))
     tips = tuple(f"limb_{limb}_{JOINTED - 1}" for limb in range(limbs))
-    return Avatar("comb", tuple(found), tips, beside, size_range=(0.01, 60.0))
+    return Avatar("comb", tuple(parts), tips, rubbing_pairs, size_range=(0.01, 60.0))
 
 
 def combs(count: int, links: int, mode: str, name: str) -> Scene:

@@ -108,15 +108,15 @@ def runs(folder: Path) -> list[Run]:
                   for scene in SCENES for name, numbers in results["series"].get(scene, {}).items()}
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         raise InvalidFile(f"results {path}", f"{type(error).__name__}: {error}", WHOLE) from error
-    found = []
+    timed = []
     for (scene, name), (times, overlap) in series.items():
         file = name.replace("/", ".")
         # a comparison of many scenes may have timed only frames around contact; the table is of a scene from its start
-        kept = folder / "recordings" / f"{scene}.{file}.0.npz"
-        if times and not isnan(times[0]) and kept.exists():
-            recording = checked_recording(load(kept), kept)
-            found.append(Run(scene, name, recording, np.array(times), max(overlap, default=nan)))
-    return found
+        recording_path = folder / "recordings" / f"{scene}.{file}.0.npz"
+        if times and not isnan(times[0]) and recording_path.exists():
+            recording = checked_recording(load(recording_path), recording_path)
+            timed.append(Run(scene, name, recording, np.array(times), max(overlap, default=nan)))
+    return timed
 
 
 def _numbers(values: Iterable[float | str | None]) -> list[float]:
@@ -135,19 +135,19 @@ def row(run: Run) -> Row:
     return replace(made, joints=joints, iterations=run.mean("iterations"), pairs=run.mean("pairs"))
 
 
-def table_2(found: list[Run]) -> list[Row]:
+def table_2(timed: list[Run]) -> list[Row]:
     """Return the paper's rows and those of the runs, scene by scene."""
     rows = []
     for printed in AS_PRINTED:
-        if own := [row(run) for run in found if run.scene == printed.scene]:
+        if own := [row(run) for run in timed if run.scene == printed.scene]:
             rows += [printed, *own]
     return rows
 
 
-def figure_8(found: list[Run]) -> list[FrameRow]:
+def figure_8(timed: list[Run]) -> list[FrameRow]:
     """Return frame time and iterations of each timed frame of the two arms, by method."""
     return [
-        FrameRow(run.name, k + 1, us, float(iterations)) for run in found if run.scene == FIGURE_8 and run.name.startswith(OWN)
+        FrameRow(run.name, k + 1, us, float(iterations)) for run in timed if run.scene == FIGURE_8 and run.name.startswith(OWN)
         for k, (us, iterations) in enumerate(zip(run.times.tolist(), run.recording.counts["iterations"][1:], strict=False))
     ]
 
@@ -170,13 +170,13 @@ def figure_7(frames: int | None = None, repeats: int = REPEATS) -> tuple[list[Fr
 
 def run(arguments: argparse.Namespace, folder: Path) -> int:
     """Read, write, print. 5: the run has no scene of the table."""
-    found = runs(arguments.of or folder)
-    if not found:
+    timed = runs(arguments.of or folder)
+    if not timed:
         print(f"the run has timed none of {', '.join(SCENES)}", file=sys.stderr)
         return 5
-    print_rows("Table 2 of the paper", table_2(found))
-    write_rows(folder / "table_2.csv", table_2(found), Row)
-    write_rows(folder / "figure_8.csv", figure_8(found), FrameRow)
+    print_rows("Table 2 of the paper", table_2(timed))
+    write_rows(folder / "table_2.csv", table_2(timed), Row)
+    write_rows(folder / "figure_8.csv", figure_8(timed), FrameRow)
     trace, shares = figure_7(*((QUICK_FRAMES, 1) if arguments.quick else ()))
     write_rows(folder / "figure_7.csv", trace, FrameRow)
     write_rows(folder / "figure_7_shares.csv", shares, ShareRow)

@@ -17,7 +17,7 @@ def take_turns(contenders: Mapping[Name, Callable[[], Figures]], repeats: int, l
     meanwhile. A contender whose calls took more than `limit` [s] in all gets no further repeat.
     """
     names, spent = list(contenders), dict.fromkeys(contenders, 0.0)
-    found: dict[Name, list[Figures]] = {name: [] for name in names}
+    figures: dict[Name, list[Figures]] = {name: [] for name in names}
     collecting = gc.isenabled()
     gc.disable()
     try:
@@ -26,9 +26,9 @@ def take_turns(contenders: Mapping[Name, Callable[[], Figures]], repeats: int, l
             for name in names[first:] + names[:first]:
                 if spent[name] <= limit:
                     begun = time.perf_counter()
-                    found[name].append(contenders[name]())
+                    figures[name].append(contenders[name]())
                     spent[name] += time.perf_counter() - begun
     finally:
         if collecting:
             gc.enable()
-    return found
+    return figures

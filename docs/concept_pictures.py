@@ -79,7 +79,7 @@ def ghost() -> str:
 PICTURES = {"user_and_avatar": user_and_avatar, "stand_off": stand_off, "ghost": ghost}
 
 
-def drawn(name: str) -> str:
+def svg_of(name: str) -> str:
     """The SVG of a picture, on a ground of its own, so that it is read on dark pages too."""
     head = '<marker id="head" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="8" markerHeight="8" orient="auto-start-reverse">'
     return (
@@ -91,4 +91,4 @@ def drawn(name: str) -> str:
 
 if __name__ == "__main__":
     for picture in PICTURES:
-        (FOLDER / f"{picture}.svg").write_text(drawn(picture), encoding="utf-8")
+        (FOLDER / f"{picture}.svg").write_text(svg_of(picture), encoding="utf-8")

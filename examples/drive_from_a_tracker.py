@@ -32,15 +32,15 @@ def main(words: Sequence[str] | None = None, frames: int = 1200) -> None:
     way = parser.add_mutually_exclusive_group(required=True)
     way.add_argument("--udp", type=int, metavar="PORT", help="send datagrams")
     way.add_argument("--ws", type=int, metavar="PORT", help="send over a WebSocket")
-    asked = parser.parse_args(words)
-    if asked.udp is not None:
+    args = parser.parse_args(words)
+    if args.udp is not None:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
-            drive(lambda message: end.sendto(message.encode(), (HOST, asked.udp)), asked.link, frames)
+            drive(lambda message: end.sendto(message.encode(), (HOST, args.udp)), args.link, frames)
     else:
         from websockets.sync.client import connect
 
-        with connect(f"ws://{HOST}:{asked.ws}/tracker") as client:
-            drive(client.send, asked.link, frames)
+        with connect(f"ws://{HOST}:{args.ws}/tracker") as client:
+            drive(client.send, args.link, frames)
 
 
 if __name__ == "__main__":

@@ -81,9 +81,9 @@ class MyEngine:
 
 def main() -> int:
     """Check the engine; the number of findings."""
-    found = check_engine(MyEngine, raises=False)
-    print("\n".join(map(str, found)) or "no findings")
-    return len(found)
+    findings = check_engine(MyEngine, raises=False)
+    print("\n".join(map(str, findings)) or "no findings")
+    return len(findings)
 
 
 if __name__ == "__main__":

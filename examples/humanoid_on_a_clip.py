@@ -72,8 +72,8 @@ def main(frames: int = 180) -> av.FrameRecord:
             record = engine.advance(clip(avatar, frame), DT)
             if frame % 30 == 0:
                 touching = sorted({contact.b.partition("/")[2] for contact in engine.contacts() if contact.a == "wall"})
-                shown, said = record.shown.positions[1, 0], ", ".join((*touching, *record.statuses)) or "free"
-                print(f"{record.shown.time:4.1f} s  user at x = {frame * DT:.2f} m  shown at {shown:.2f} m  {said}")
+                shown, state = record.shown.positions[1, 0], ", ".join((*touching, *record.statuses)) or "free"
+                print(f"{record.shown.time:4.1f} s  user at x = {frame * DT:.2f} m  shown at {shown:.2f} m  {state}")
     return record
 
 

@@ -26,8 +26,8 @@ def scenes(worlds: int, frames: int, hands: bool) -> tuple[list[av.Scene], Motio
     avatar = humanoid()
     ahead = [0 if hands else 5 * k % 50 for k in range(worlds)]
     known = [tracked(frame) if hands else clip(avatar, frame) for frame in range(frames + 46)]
-    found = [world() if hands else room(avatar, known[first]) for first in ahead]
-    return found, [[known[first + frame] for first in ahead] for frame in range(1, frames + 1)]
+    rooms = [world() if hands else room(avatar, known[first]) for first in ahead]
+    return rooms, [[known[first + frame] for first in ahead] for frame in range(1, frames + 1)]
 
 
 def one_by_one(engines: Sequence[av.AvatarsimEngine], samples: Sequence[av.TrackerSample]) -> list[av.FrameRecord]:
@@ -62,11 +62,11 @@ def main(frames: int = 120, worlds: int = 128, threads: int | None = None, hands
         # a body waits behind its obstacle: to search for a way around takes ten times as long
         engine.load(scene, av.Settings(options={"around": 0}), DT)
     ways = {"one by one": one_by_one, "together, 1 thread": together(1), f"together, {many} threads": together(many)}
-    found = {name: rate(engines, motion, way) for name, way in ways.items()}
+    rates = {name: rate(engines, motion, way) for name, way in ways.items()}
     print(f"{worlds} worlds of {'a rigid hand and a ball' if hands else 'a humanoid at a wall'}, {frames} frames each")
-    for name, value in found.items():
-        print(f"{name:>22}: {value:9,.0f} frames of avatars a second, {value / found['together, 1 thread']:.2f} x one thread")
-    return found
+    for name, value in rates.items():
+        print(f"{name:>22}: {value:9,.0f} frames of avatars a second, {value / rates['together, 1 thread']:.2f} x one thread")
+    return rates
 
 
 if __name__ == "__main__":

@@ -37,8 +37,8 @@ def main(frames: int = 180) -> av.FrameRecord:
             record = engine.advance(tracked(frame), DT)
             if frame % 30 == 0:
                 touching = {f"{contact.a}-{contact.b}" for contact in engine.contacts()}
-                asked, shown = tracked(frame).positions[0, 2], record.shown.positions[2, 2]
-                print(f"{record.shown.time:4.1f} s  user {asked:+.3f} m  shown {shown:+.4f} m  {', '.join(sorted(touching))}")
+                user, shown = tracked(frame).positions[0, 2], record.shown.positions[2, 2]
+                print(f"{record.shown.time:4.1f} s  user {user:+.3f} m  shown {shown:+.4f} m  {', '.join(sorted(touching))}")
     speed = float(np.linalg.norm(record.shown.velocities[1]))
     print(f"the ball is at x = {record.shown.positions[1, 0]:.3f} m and rolls at {speed:.2f} m/s")
     return record

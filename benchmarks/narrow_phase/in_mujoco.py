@@ -72,9 +72,9 @@ class MuJoCo(Contender):
     def answers(self) -> Array:
         if self.per_call:
             return super().answers()
-        found = np.full(self._model.npair, np.inf)
-        np.minimum.at(found, self._data.contact.geom[:, 0] // 2, self._data.contact.dist)
-        return found
+        distances = np.full(self._model.npair, np.inf)
+        np.minimum.at(distances, self._data.contact.geom[:, 0] // 2, self._data.contact.dist)
+        return distances
 
 
 def contenders() -> tuple[Contender, ...]:

@@ -77,15 +77,15 @@ class Summary:
 
 def contenders(libraries: Sequence[str] = LIBRARIES) -> tuple[list[Contender], dict[str, str]]:
     """Return all contenders there are, and of each library that cannot be used the reason."""
-    found: list[Contender] = []
+    present: list[Contender] = []
     absent: dict[str, str] = {}
     for library in libraries:
         try:
-            found += import_module(f"benchmarks.narrow_phase.in_{library}").contenders()
+            present += import_module(f"benchmarks.narrow_phase.in_{library}").contenders()
         except Exception as error:
             # a broken installation of a library does not end the others
             absent[library] = described(error)
-    return found, absent
+    return present, absent
 
 
 def measure(taking_part: Sequence[Contender], cell: Cell, mode: Mode, plan: Plan) -> list[Row]:
@@ -118,13 +118,13 @@ def errors_of(answers: Array, truth: Array) -> Array:
 def answers(one: Contender, trial: Trial, judged: range) -> Array:
     """Answers (judged frames, pairs) [m] of a pass through all frames."""
     one.begin()
-    found = []
+    distances = []
     for frame in range(len(trial.at)):
         one.pose(frame)
         one.query()
         if frame in judged:
-            found.append(one.answers())
-    return np.array(found)
+            distances.append(one.answers())
+    return np.array(distances)
 
 
 def times(one: Contender, trial: Trial) -> Array:
@@ -144,15 +144,15 @@ def times(one: Contender, trial: Trial) -> Array:
 
 def summaries(rows: Sequence[Row]) -> list[Summary]:
     """Return one row per contender that was measured."""
-    found = []
+    per_engine = []
     for engine in dict.fromkeys(row.engine for row in rows):
         own = [row for row in rows if row.engine == engine]
         logs = ([np.log(row.us_p50) for row in own if row.mode == mode] for mode in MODES)
         cold, coherent = (float(np.exp(np.mean(times or [nan]))) for times in logs)
         right = sum(row.max_error_m <= RIGHT for row in own)
         largest = max((row.max_error_m for row in own if row.max_error_m < inf), default=nan)
-        found.append(Summary(engine, own[0].per_call, cold, coherent, right, len(own), largest))
-    return found
+        per_engine.append(Summary(engine, own[0].per_call, cold, coherent, right, len(own), largest))
+    return per_engine
 
 
 def run(arguments: argparse.Namespace, folder: Path) -> int:

@@ -39,7 +39,7 @@ def cells() -> Iterator[Cell]:
             yield Cell(a, b, regime)
 
 
-def drawn(kind: str, rng: np.random.Generator) -> Shape:
+def random_shape(kind: str, rng: np.random.Generator) -> Shape:
     """Return a shape of the kind, about 1 m across."""
     if kind == "sphere":
         return Sphere(float(rng.uniform(0.25, 0.5)))
@@ -60,7 +60,7 @@ def drawn(kind: str, rng: np.random.Generator) -> Shape:
 def shapes_of(shape_a: str, shape_b: str, pairs: int) -> tuple[Shape, ...]:
     """Return the shapes of all regimes and modes of two kinds: two in a row are a pair."""
     rng = np.random.default_rng([SEED, KINDS.index(shape_a), KINDS.index(shape_b)])
-    return tuple(drawn(kind, rng) for _ in range(pairs) for kind in (shape_a, shape_b))
+    return tuple(random_shape(kind, rng) for _ in range(pairs) for kind in (shape_a, shape_b))
 
 
 def make_trial(cell: Cell, mode: Mode, pairs: int, frames: int) -> Trial:
@@ -88,12 +88,12 @@ def make_trial(cell: Cell, mode: Mode, pairs: int, frames: int) -> Trial:
 def truths(trial: Trial, frames: range) -> Array:
     """Return signed distances (len(frames), pairs) [m] by the hull of all differences of vertices (qhull), exact to rounding."""
     points = [rounded_points(shape) for shape in trial.shapes]
-    found = np.zeros((len(frames), trial.pairs))
+    distances = np.zeros((len(frames), trial.pairs))
     for row, frame in enumerate(frames):
         placed = [core @ turn.T + at for (core, _), turn, at in zip(points, trial.turns[frame], trial.at[frame], strict=True)]
         for k, (a, b) in enumerate(zip(range(0, len(points), 2), range(1, len(points), 2), strict=True)):
-            found[row, k] = signed_distance(placed[a], points[a][1], placed[b], points[b][1])
-    return found
+            distances[row, k] = signed_distance(placed[a], points[a][1], placed[b], points[b][1])
+    return distances
 
 
 def _unit(rows: Array) -> Array:

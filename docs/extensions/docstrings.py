@@ -26,12 +26,12 @@ def escaped(text: str) -> str:
 
 def inline(text: str) -> str:
     """Return a paragraph: names in backticks as literals, all else escaped, nothing at its begin that would open a list."""
-    found, end = "", 0
+    escaped_text, end = "", 0
     for span in SPAN.finditer(text):
         # markup wants a space or nothing next to it: an escaped space is none when it is shown
-        found += escaped(text[end : span.start()]) + rf"\ ``{(span[1] or span[2]).strip()}``\ "
+        escaped_text += escaped(text[end : span.start()]) + rf"\ ``{(span[1] or span[2]).strip()}``\ "
         end = span.end()
-    return rf"\ {found}{escaped(text[end:])}"
+    return rf"\ {escaped_text}{escaped(text[end:])}"
 
 
 def blocks(lines: Iterable[str]) -> Iterator[Lines]:
@@ -57,24 +57,24 @@ def indent_of(line: str) -> int:
 
 def items(block: Lines) -> list[Lines]:
     """Return lines with those below them that are indented farther than the first."""
-    least, found = indent_of(block[0]), list[Lines]()
+    least, entries = indent_of(block[0]), list[Lines]()
     for line in block:
-        if indent_of(line) <= least or not found:
-            found.append([line])
+        if indent_of(line) <= least or not entries:
+            entries.append([line])
         else:
-            found[-1].append(line)
-    return found
+            entries[-1].append(line)
+    return entries
 
 
 def definitions(block: Lines, row: re.Pattern[str]) -> Lines:
     """Return a definition list of rows, all of which match; empty if one does not."""
-    found: Lines = []
+    rows: Lines = []
     for item in items(block):
         entry = row.fullmatch(item[0].strip())
         if entry is None:
             return []
-        found += [f"``{entry[1]}``", f"    {inline(joined([entry[2], *item[1:]]))}", ""]
-    return found
+        rows += [f"``{entry[1]}``", f"    {inline(joined([entry[2], *item[1:]]))}", ""]
+    return rows
 
 
 def section(block: Lines) -> Lines:
@@ -105,7 +105,7 @@ def restructured(lines: Iterable[str]) -> Lines:
     return [line for block in blocks(lines) for line in written(block)]
 
 
-def process(app: Sphinx, what: str, name: str, found: object, options: object, lines: Lines) -> None:
+def process(app: Sphinx, what: str, name: str, obj: object, options: object, lines: Lines) -> None:
     """Called by autodoc with each docstring, whose lines are replaced."""
     lines[:] = restructured(lines)
 

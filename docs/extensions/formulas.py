@@ -16,8 +16,8 @@ LOG = logging.getLogger(__name__)
 
 def mathml(latex: str, *, is_block: bool) -> str:
     """Return one `<math>` element. Raises an error of docutils, a ValueError or SyntaxError, where it cannot translate."""
-    found: str = tex2mathml(latex, as_block=is_block)
-    return found
+    markup: str = tex2mathml(latex, as_block=is_block)
+    return markup
 
 
 def written(node: nodes.math | nodes.math_block, *, is_block: bool) -> str:

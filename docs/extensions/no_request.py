@@ -63,18 +63,18 @@ def from_page(text: str) -> list[str]:
 
 def from_site(folder: Path) -> list[str]:
     """Return the same of all pages and style sheets of a folder, each with its file."""
-    found = []
+    lines = []
     for file in sorted(folder.rglob("*")):
         if file.suffix in (".html", ".css", ".svg"):
             text = file.read_text(encoding="utf-8")
-            found += [f"{file.relative_to(folder)}: {one}" for one in (from_styles if file.suffix == ".css" else from_page)(text)]
-    return found
+            lines += [f"{file.relative_to(folder)}: {one}" for one in (from_styles if file.suffix == ".css" else from_page)(text)]
+    return lines
 
 
 def finished(app: Sphinx, error: Exception | None) -> None:
     """Called by Sphinx when the pages are written."""
-    if error is None and app.builder.format == "html" and (found := from_site(Path(app.outdir))):
-        raise ExtensionError("pages load something from elsewhere:\n" + "\n".join(found))
+    if error is None and app.builder.format == "html" and (lines := from_site(Path(app.outdir))):
+        raise ExtensionError("pages load something from elsewhere:\n" + "\n".join(lines))
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -55,7 +55,7 @@ class Public(NamedTuple):
     """A public name: `dotted`, as users write it; `found`, its object; `home`, the module that defines it."""
 
     dotted: str
-    found: object
+    obj: object
     home: ModuleType
 
     @property
@@ -64,14 +64,14 @@ class Public(NamedTuple):
         return self.dotted.rpartition(".")[2]
 
 
-def home_of(dotted: str, found: object) -> ModuleType:
+def home_of(dotted: str, obj: object) -> ModuleType:
     """Return the module that defines an object: the one that it names itself, else the one of avatarsim that assigns it."""
-    said = getattr(found, "__module__", None)
-    if isinstance(said, str) and said.startswith("avatarsim") and said in sys.modules:
-        return sys.modules[said]
+    module_name = getattr(obj, "__module__", None)
+    if isinstance(module_name, str) and module_name.startswith("avatarsim") and module_name in sys.modules:
+        return sys.modules[module_name]
     place, _, short = dotted.rpartition(".")
     for name, module in sorted(sys.modules.items()):
-        if name.startswith("avatarsim") and vars(module).get(short) is found and short in assigned(module):
+        if name.startswith("avatarsim") and vars(module).get(short) is obj and short in assigned(module):
             return module
     return sys.modules[place]
 
@@ -81,21 +81,21 @@ def assigned(module: ModuleType) -> Mapping[str, str]:
     """Return names that a module assigns at its top level, each with the docstring below it."""
     if not getattr(module, "__file__", None):
         return {}
-    body, found = ast.parse(inspect.getsource(module)).body, dict[str, str]()
+    body, docs = ast.parse(inspect.getsource(module)).body, dict[str, str]()
     for node, after in zip(body, [*body[1:], None], strict=True):
         targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
-        said = after.value if isinstance(after, ast.Expr) else None
-        text = said.value if isinstance(said, ast.Constant) and isinstance(said.value, str) else ""
-        found |= {target.id: inspect.cleandoc(text) for target in targets if isinstance(target, ast.Name)}
-    return found
+        value = after.value if isinstance(after, ast.Expr) else None
+        text = value.value if isinstance(value, ast.Constant) and isinstance(value.value, str) else ""
+        docs |= {target.id: inspect.cleandoc(text) for target in targets if isinstance(target, ast.Name)}
+    return docs
 
 
 @cache
 def public_names() -> tuple[Public, ...]:
     """Return names of `avatarsim.__all__`, then the rarer ones; an object of two names has its first."""
-    said = [f"avatarsim.{name}" for name in avatarsim.__all__ if not name.startswith("__")]
+    dotted = [f"avatarsim.{name}" for name in avatarsim.__all__ if not name.startswith("__")]
     things: dict[int, tuple[str, object]] = {}
-    for name in (*said, *RARER):
+    for name in (*dotted, *RARER):
         thing = pkgutil.resolve_name(name)
         things.setdefault(id(thing), (name, thing))
     # the modules that define them are looked up when all of them are imported
@@ -104,17 +104,17 @@ def public_names() -> tuple[Public, ...]:
 
 def directive(public: Public) -> list[str]:
     """Return the directive that documents a name, in reStructuredText."""
-    found = public.found
-    if isinstance(found, ModuleType):
+    obj = public.obj
+    if isinstance(obj, ModuleType):
         return [f".. automodule:: {public.dotted}", "   :members:"]
-    if isinstance(found, type):
-        if issubclass(found, BaseException):
+    if isinstance(obj, type):
+        if issubclass(obj, BaseException):
             return [f".. autoexception:: {public.dotted}", "   :show-inheritance:"]
         return [f".. autoclass:: {public.dotted}", "   :members:", "   :member-order: bysource"]
-    if inspect.isroutine(found):
+    if inspect.isroutine(obj):
         return [f".. autofunction:: {public.dotted}"]
-    said = assigned(public.home).get(public.short, "")
-    return [f".. py:data:: {public.dotted}", "", *(f"   {line}" for line in restructured(said.splitlines()))]
+    text = assigned(public.home).get(public.short, "")
+    return [f".. py:data:: {public.dotted}", "", *(f"   {line}" for line in restructured(text.splitlines()))]
 
 
 def page() -> Iterator[str]:
@@ -123,25 +123,25 @@ def page() -> Iterator[str]:
     for public in public_names():
         modules.setdefault(public.home.__name__, []).append(public)
     for name, those in sorted(modules.items(), key=lambda item: (PLACES.get(item[0], 2), item[0])):
-        said = inspect.cleandoc(those[0].home.__doc__ or "").partition("\n\n")[0]
-        yield from (f"## {name}", "", " ".join(said.split()), "", "```{eval-rst}")
+        summary = inspect.cleandoc(those[0].home.__doc__ or "").partition("\n\n")[0]
+        yield from (f"## {name}", "", " ".join(summary.split()), "", "```{eval-rst}")
         for public in those:
             yield from (*directive(public), "")
         yield from ("```", "")
 
 
-def signature_of(found: object, is_method: bool) -> tuple[str, str | None]:
+def signature_of(obj: object, is_method: bool) -> tuple[str, str | None]:
     """Return arguments in parentheses, as in the source, and the returned type; both empty where there is nothing to write.
 
     Python's own words for a default may be a page long: that of a scene's materials is all of Table 1."""
     try:
-        node = ast.parse(textwrap.dedent(inspect.getsource(found))).body[0]  # type: ignore[arg-type]
+        node = ast.parse(textwrap.dedent(inspect.getsource(obj))).body[0]  # type: ignore[arg-type]
     except (OSError, TypeError, IndexError):
         return "", None
     if isinstance(node, ast.FunctionDef):
         return of_function(node, is_method)
-    if isinstance(node, ast.ClassDef) and isinstance(found, type):
-        return of_class(node, found), None
+    if isinstance(node, ast.ClassDef) and isinstance(obj, type):
+        return of_class(node, obj), None
     return "", None
 
 
@@ -157,13 +157,13 @@ def of_function(node: ast.FunctionDef, is_method: bool) -> tuple[str, str | None
     return f"({ast.unparse(node.args)})", unquoted(node.returns) if node.returns else None
 
 
-def of_class(node: ast.ClassDef, found: type) -> str:
+def of_class(node: ast.ClassDef, kind: type) -> str:
     """Return the signature that makes an object of a class."""
     for part in node.body:
         if isinstance(part, ast.FunctionDef) and part.name == "__init__":
             return of_function(part, True)[0]
-    is_tuple = issubclass(found, tuple) and hasattr(found, "_fields")
-    if issubclass(found, Enum) or not (is_tuple or is_dataclass(found)):
+    is_tuple = issubclass(kind, tuple) and hasattr(kind, "_fields")
+    if issubclass(kind, Enum) or not (is_tuple or is_dataclass(kind)):
         return ""
     fields = [part for part in node.body if isinstance(part, ast.AnnAssign) and isinstance(part.target, ast.Name)]
     return f"({', '.join(field_of(field) for field in fields)})"
@@ -171,15 +171,15 @@ def of_class(node: ast.ClassDef, found: type) -> str:
 
 def field_of(field: ast.AnnAssign) -> str:
     """Return a field as an argument; the value of a factory is written `...`."""
-    said = f"{ast.unparse(field.target)}: {unquoted(field.annotation)}"
+    text = f"{ast.unparse(field.target)}: {unquoted(field.annotation)}"
     if field.value is None:
-        return said
+        return text
     if isinstance(field.value, ast.Call) and ast.unparse(field.value.func) == "field":
         given = {word.arg: ast.unparse(word.value) for word in field.value.keywords}
         if not {"default", "default_factory"} & set(given):
-            return said
-        return f"{said} = {given.get('default', '...')}"
-    return f"{said} = {ast.unparse(field.value)}"
+            return text
+        return f"{text} = {given.get('default', '...')}"
+    return f"{text} = {ast.unparse(field.value)}"
 
 
 def unquoted(annotation: ast.expr) -> str:
@@ -190,17 +190,17 @@ def unquoted(annotation: ast.expr) -> str:
 
 
 def process_signature(
-    app: Sphinx, what: str, name: str, found: object, options: object, signature: str | None, returns: str | None
+    app: Sphinx, what: str, name: str, obj: object, options: object, signature: str | None, returns: str | None
 ) -> tuple[str, str | None] | None:
     """Called by autodoc for each signature; None leaves it as it is."""
     if signature is None or what not in ("class", "exception", "function", "method"):
         return None
-    return signature_of(found, what == "method")
+    return signature_of(obj, what == "method")
 
 
-def skip_member(app: Sphinx, what: str, name: str, found: object, skip: bool, options: object) -> bool | None:
+def skip_member(app: Sphinx, what: str, name: str, obj: object, skip: bool, options: object) -> bool | None:
     """Skip fields of named tuples when autodoc calls this for each member: Python's own docstrings for them are empty."""
-    return True if type(found).__name__ == "_tuplegetter" else None
+    return True if type(obj).__name__ == "_tuplegetter" else None
 
 
 def resolve(app: Sphinx, env: BuildEnvironment, node: pending_xref, content: nodes.TextElement) -> nodes.reference | None:

@@ -18,11 +18,11 @@ def parsed(lines: list[str]) -> docutils.nodes.document:
 def docstrings(public: Public) -> list[str]:
     """Return the docstrings of a name and of its members."""
     found = [assigned(public.home).get(public.short)]
-    if isinstance(public.found, type) or inspect.isroutine(public.found):
+    if isinstance(public.obj, type) or inspect.isroutine(public.obj):
         # any other object has the docstring of its type
-        found.append(inspect.getdoc(public.found))
-    if isinstance(public.found, type):
-        found += [inspect.getdoc(member) for name, member in vars(public.found).items() if not name.startswith("_")]
+        found.append(inspect.getdoc(public.obj))
+    if isinstance(public.obj, type):
+        found += [inspect.getdoc(member) for name, member in vars(public.obj).items() if not name.startswith("_")]
     return [text for text in found if text]
 
 
