@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -43,8 +44,11 @@ def judged(folder: Path, before: Path | None = None, baseline: Path | None = Non
     Raises InvalidFile where results.json is missing, truncated or of another schema. An earlier run that cannot be read is left
     out. The last result is kept: a page and the summary in a terminal are of one judgement.
     """
-    results = folder / "results.json"
-    return _judged(folder, before, baseline, results.stat().st_mtime_ns if results.exists() else 0)
+    written = 0
+    with suppress(OSError):
+        # one that cannot be looked at is refused by the reader, in words
+        written = (folder / "results.json").stat().st_mtime_ns
+    return _judged(folder, before, baseline, written)
 
 
 @lru_cache(maxsize=1)
