@@ -3,10 +3,10 @@
 from collections.abc import Callable, Sequence
 
 from avatarsim.assets.models.model import Model
+from avatarsim.cleaning.chords import Room
 from avatarsim.cleaning.result import DEFAULTS, AtRest, Audit, Cleaned, Excluded, Flagged, Moved, Opinion, Options
 from avatarsim.cleaning.stream import Shield
 from avatarsim.cleaning.whole_clip import audit_motion, clean_motion
-from avatarsim.scene.body import Body
 from avatarsim.scene.carried import Carried
 from avatarsim.scene.motion import Motion
 
@@ -16,7 +16,7 @@ __all__ = [
 
 
 def clean(
-    motion: Motion, model: Model, room: Sequence[Body] = (), options: Options = DEFAULTS,
+    motion: Motion, model: Model, room: Room = (), options: Options = DEFAULTS,
     progress: Callable[[float], None] | None = None, carried: Sequence[Carried] = (),
 ) -> Cleaned:
     """Return the nearest motion to `motion` that is found free of overlap and within limits, in frames and between them.
@@ -32,7 +32,7 @@ def clean(
 
 
 def audit(
-    motion: Motion, model: Model, room: Sequence[Body] = (), options: Options = DEFAULTS, carried: Sequence[Carried] = ()
+    motion: Motion, model: Model, room: Room = (), options: Options = DEFAULTS, carried: Sequence[Carried] = ()
 ) -> Audit:
     """Measure a motion as it is: overlap in frames and proof between them, limits, jerk, and the pairs excluded from all that.
 

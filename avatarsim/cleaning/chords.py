@@ -10,6 +10,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.assets.models.load import load_room
 from avatarsim.assets.models.model import Model
 from avatarsim.cleaning.result import Options
 from avatarsim.errors import InvalidInput
@@ -126,15 +127,21 @@ def certified(chords: Chords, motion: Motion, least: float = 0.0) -> Certified:
     return Certified(np.array([share for share, _ in found], dtype=np.float64), tuple(pair for _, pair in found))
 
 
-def scene_of(model: Model, room: Sequence[Body], options: Options, carried: Sequence[Carried] = ()) -> Scene:
+Room = Sequence[Body] | Model | str
+"""Bodies, the model that `load_room` returns, or what it reads."""
+
+
+def scene_of(model: Model, room: Room, options: Options, carried: Sequence[Carried] = ()) -> Scene:
     """Return the scene in which a model's avatar is cleaned: its own bodies, the room's and the carried ones.
     Loose bodies are fixed where they are or left out.
 
     Raises InvalidInput for a model without avatar, and for objects that are not bodies."""
     instance("model to clean with", model, Model, "a Model, as load_avatar gives", InvalidInput)
     instance("options of cleaning", options, Options, "Options(margin, blend, ...)", InvalidInput)
+    room = load_room(room) if isinstance(room, str) else room
+    room = room.bodies if isinstance(room, Model) else room
     for body in listed(room):
-        instance("body of the room", body, Body, "a Body, for instance those of load_room(path).bodies", InvalidInput)
+        instance("body of the room", body, Body, "a Body, or a room as load_room gives", InvalidInput)
     for one in listed(carried):
         instance("what is carried", one, Carried, "Carried(body, motion)", InvalidInput)
     avatar = model.avatar

@@ -1,21 +1,18 @@
 """A filter for streams of generalized coordinates: each output posture is reached from the last one by a motion proved free."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.assets.models.load import load_room
 from avatarsim.assets.models.model import Model
-from avatarsim.cleaning.chords import Chords, scene_of
+from avatarsim.cleaning.chords import Chords, Room, scene_of
 from avatarsim.cleaning.joint_rates import FILE, Rates, accelerations_of, speeds_of
 from avatarsim.cleaning.limited import LimitedFollower
 from avatarsim.cleaning.result import DEFAULTS, Options
 from avatarsim.cleaning.start import approach, free_posture
 from avatarsim.cleaning.track import Follower
 from avatarsim.errors import InvalidInput
-from avatarsim.scene.body import Body
 from avatarsim.scene.checks import finite_array, require_near, within
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import TrackerSample
@@ -52,12 +49,11 @@ class Shield:
     """
 
     def __init__(
-        self, model: Model, room: Sequence[Body] | Model | str = (), rate: float = 60.0, options: Options = DEFAULTS,
+        self, model: Model, room: Room = (), rate: float = 60.0, options: Options = DEFAULTS,
         speed_limits: Rates = FILE, acceleration_limits: Rates = None,
     ) -> None:
         rate = within("rate of a shield [1/s]", rate, SLOWEST, FASTEST, InvalidInput)
-        room = load_room(room) if isinstance(room, str) else room
-        scene = scene_of(model, room.bodies if isinstance(room, Model) else room, options)
+        scene = scene_of(model, room, options)
         if model.coordinates is None:
             raise InvalidInput("coordinates of the model", None, "those of an avatar: a file of a robot, a hand or a skeleton")
         self.coordinates, self.options, self._step = model.coordinates, options, 1.0 / rate

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.assets.models.model import Model
-from avatarsim.cleaning.chords import Chords, certified, scene_of
+from avatarsim.cleaning.chords import Chords, Room, certified, scene_of
 from avatarsim.cleaning.foot_contact import planted_feet
 from avatarsim.cleaning.ground import Ground, ground_of, raised
 from avatarsim.cleaning.lookahead import Smoothing, part_of
@@ -20,7 +20,6 @@ from avatarsim.cleaning.result import OVERLAP, Audit, Cleaned, Flagged, Options
 from avatarsim.cleaning.start import approach, free_posture
 from avatarsim.cleaning.track import Follower, Judged, Kind, LinkWeights, Written, track
 from avatarsim.errors import InvalidInput
-from avatarsim.scene.body import Body
 from avatarsim.scene.carried import Carried, joined, of_avatar
 from avatarsim.scene.checks import FARTHEST, instance
 from avatarsim.scene.motion import Motion
@@ -33,7 +32,7 @@ UNREACHED = 1.0
 
 
 def chords_of(
-    motion: Motion, model: Model, room: Sequence[Body], options: Options, carried: Sequence[Carried]
+    motion: Motion, model: Model, room: Room, options: Options, carried: Sequence[Carried]
 ) -> tuple[Chords, Motion]:
     """Return queries in the scene of a model, a room and carried bodies, and the fitting motion of avatar and carried bodies."""
     scene = scene_of(model, room, options, carried)
@@ -56,7 +55,7 @@ def require_fit(scene: Scene, motion: Motion) -> None:
             raise InvalidInput(f"{error.thing}, in frame {frame} of the motion", error.value, error.valid) from error
 
 
-def audit_motion(motion: Motion, model: Model, room: Sequence[Body], options: Options, carried: Sequence[Carried]) -> Audit:
+def audit_motion(motion: Motion, model: Model, room: Room, options: Options, carried: Sequence[Carried]) -> Audit:
     """Audit a motion; see `avatarsim.cleaning.audit`."""
     chords, whole = chords_of(motion, model, room, options, carried)
     first = reference_frames(chords, whole)
@@ -69,7 +68,7 @@ def audit_motion(motion: Motion, model: Model, room: Sequence[Body], options: Op
 
 
 def clean_motion(
-    motion: Motion, model: Model, room: Sequence[Body], options: Options, progress: Callable[[float], None] | None,
+    motion: Motion, model: Model, room: Room, options: Options, progress: Callable[[float], None] | None,
     carried: Sequence[Carried],
 ) -> Cleaned:
     """Clean a motion; see `avatarsim.cleaning.clean`."""

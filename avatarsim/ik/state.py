@@ -279,7 +279,7 @@ class Inertia(NamedTuple):
     shown     posture at the start of the frame
     walk      (nd) displacement of the last frame, scaled to the length of this one
     momentum  (nd) initial velocity relative to the target
-    target_motion  (nd) displacement of the clipped target in this frame, until a step follows it
+    target_motion  (nd) displacement of the clipped target in this frame
     gone      (nd) displacement relative to the target so far in this frame
     """
 

@@ -14,7 +14,7 @@ from avatarsim.collision.manifold import MANIFOLD_POINTS
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
 from avatarsim.rigid.contact_law import point_velocity, relative_velocity
-from avatarsim.rigid.responses import Responses, make_responses
+from avatarsim.rigid.responses import LANES, Responses, make_responses
 from avatarsim.spatial.tangent import Columns, columns, turned
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, perpendicular, put_row, row, scale, sub
 
@@ -78,7 +78,7 @@ of which belongs to two bodies; one among others on a pallet with 16, and as man
 POINTS_OF_PAIR = MANIFOLD_POINTS
 """Contact points of two shapes, at most: numbers of one pair of shapes follow each other in `Contacts.key`."""
 
-ROW, MOTION = 104, 8
+ROW, MOTION = 104, 2 * LANES
 """Numbers that a pass of the solver reads: of a contact, thirteen lines of the cache, and of a body."""
 
 EARTH = 9.8

@@ -39,7 +39,8 @@ TOLERANCE, SWEEPS = 0.02, 20
 """Accuracy of the solve of a longest substep, in stand-offs, and its most double sweeps."""
 
 SLOW, FINER = 0.1, FINE * FINE
-"""[m/s] speed below which an island is solved finer, by this factor: errors of a solve make a tower sway."""
+"""[m/s] speed below which an island without joints is solved finer, by this factor: errors of a solve make a tower sway. A hand
+yields by more than they are."""
 
 VISITS, SWEEPS_OF_FINE = 48000, 15 * SWEEPS
 """Most contact points that one solve visits, if that allows more than SWEEPS: few contacts, as of a heavy body on light ones,
