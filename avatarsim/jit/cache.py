@@ -67,8 +67,9 @@ class KernelFiles(ABC):
         """Remove this kernel's entries from the folder in which new ones are kept."""
         base = places.current().write
         if base is not None:
-            for path in (base / self.folder).glob(f"{self.name}-*{SUFFIX}"):
-                _remove(path)
+            for path in map(Path, places.entries(base / self.folder)):
+                if path.name.startswith(f"{self.name}-") and path.name.endswith(SUFFIX):
+                    _remove(path)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the compiled kernel for a signature from disk; None if it has to be compiled, which is announced.

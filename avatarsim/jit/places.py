@@ -121,7 +121,7 @@ def _sets(base: Path) -> list[tuple[float, int, Path]]:
     """Return (time of last use, size [bytes], folder) of each version of each source file's kernels; files that a killed process
     left half-written a day ago are removed."""
     found = []
-    for folder in base.glob("*/*/"):
+    for folder in (Path(version) for source in entries(base) for version in entries(source)):
         if not _VERSION.fullmatch(folder.name):
             continue
         size = 0
@@ -134,6 +134,14 @@ def _sets(base: Path) -> list[tuple[float, int, Path]]:
                     os.unlink(file.path)
             found.append((used, size, folder))
     return found
+
+
+def entries(folder: str | Path) -> list[str]:
+    """Return the paths of what lies in a folder; none if there is no such folder, which another process may just have removed."""
+    try:
+        return [entry.path for entry in os.scandir(folder)]
+    except OSError:
+        return []
 
 
 PLACES = Places()
@@ -153,7 +161,8 @@ def current() -> Places:
 
 def kept_kernels(folder: Path) -> Counter[str]:
     """Return entries of each kernel of one source file, by the kernel's name, in all folders that are read."""
-    files = {path.name for base in current().read for path in (base / folder).glob(f"*{SUFFIX}")}
+    paths = [path for base in current().read for path in entries(base / folder)]
+    files = {os.path.basename(path) for path in paths if path.endswith(SUFFIX)}
     return Counter(file.rpartition("-")[0] for file in files)
 
 

@@ -61,6 +61,25 @@ def test_what_a_killed_process_left_half_written_goes_after_a_day(tmp_path: Path
     assert not old.exists() and new.exists() and (folder / "f-0.kernel").exists()
 
 
+def test_kernels_that_another_process_removes_meanwhile_are_no_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Wherever the other process is ahead: each folder is gone by the time it is listed."""
+    listed = os.scandir
+    for depth in range(3):
+        base = tmp_path / str(depth)
+        folder = version(base, 1, MOST_DAYS + 1.0)
+        first_gone = (base, folder.parent, folder)[depth]
+
+        def late(path: str | Path | int, first_gone: Path = first_gone) -> object:
+            if path in (first_gone, str(first_gone)) and first_gone.exists():
+                first_gone.rename(tmp_path / f"removed {first_gone.name}")
+            return listed(path)
+
+        with monkeypatch.context() as patched:
+            patched.setattr(os, "scandir", late)
+            prune(base)
+        assert not folder.exists()
+
+
 def test_a_folder_that_was_made_after_the_start_is_read_too(tmp_path: Path) -> None:
     chosen = Places(tmp_path / "kernels")
     assert chosen.read == ()
