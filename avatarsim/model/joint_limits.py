@@ -336,11 +336,13 @@ def room_of_ball(skel: Skeleton, link: int, turn: Columns) -> tuple[float, Vec3,
         return max(0.0, room - INWARD), away, second, other
     if room <= 0.0 or not is_in_reach(skel, link, limb):
         allowed = nearest_in_reach(skel, link, limb, most)
-        room, away, limb = 0.0, direction_of(cross(limb, allowed), away), allowed
+        back = cross(limb, allowed)
+        if norm(back) > ROUNDING:
+            room, away, limb = 0.0, direction_of(back, away), allowed
     for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
         start, end, inward = edge(skel, link, k)
         nearest = nearest_on_edge(start, end, inward, limb)
-        beyond, axis = angle_between(nearest, limb), direction_of(cross(nearest, limb), cross(inward, limb))
+        beyond, axis = angle_between(nearest, limb), direction_of(cross(nearest, limb), cross(limb, inward))
         is_across = norm(cross(axis, away)) > FINE
         if beyond < room:
             if is_across:

@@ -30,6 +30,7 @@ from avatarsim.rigid.contacts import (
 )
 from avatarsim.rigid.driven import is_kinematic
 from avatarsim.rigid.internal_edges import forget_faces, level_seams, note
+from avatarsim.rigid.linkages import is_linked
 from avatarsim.rigid.state import Memory
 from avatarsim.rigid.substep_state import KNOWN
 from avatarsim.rigid.swept_certificate import Refusal, least_of, query
@@ -232,7 +233,8 @@ def add_refused(
     They require the gap that is to be proved and ``error`` [m], the solver's tolerance. No more: bodies wedged between two others
     have no room, and to lift costs energy.
 
-    Velocities that the rows see are those of the way. A corner of a face that is farther away requires its share of the
+    Velocities that the rows see are those of the way, of links those that led to it: the next way leads as far beside its own. A
+    corner of a face that is farther away requires its share of the
     stand-off, as a row of the start does.
     """
     sub_, contacts = memory.substeps, memory.contacts
@@ -255,10 +257,26 @@ def add_refused(
     for k in range(first, contacts.used[0]):
         contacts.friction[k], contacts.key[k] = 0.0, -1
         pull = dot(axis(contacts, k, 0), sub(acceleration(memory.paths, a), acceleration(memory.paths, b)))
-        gap = contacts.gap[k] - after * (speed_along(contacts, k, 0, sub_.way, sub_.turning) + 0.5 * after * pull)
+        speed = speed_along(contacts, k, 0, sub_.way, sub_.turning) + bend_along(dynamics, memory, k)
+        gap = contacts.gap[k] - after * (speed + 0.5 * after * pull)
         contacts.gap[k] = gap
         if gap > LOWER * d:
             contacts.target[k] = -(gap - LOWER * d) / after
         else:
             contacts.target[k] = 0.0 if gap > wanted else (wanted - gap) / after
     return has_room
+
+
+@kernel
+def bend_along(dynamics: Dynamics, memory: Memory, k: int) -> float:
+    """Return how much faster [m/s] links of row k part by the rates of their joints than along the chord of their way."""
+    sub_, contacts, n, found = memory.substeps, memory.contacts, axis(memory.contacts, k, 0), 0.0
+    for side in range(2):
+        b = contacts.body[k, side]
+        if is_linked(dynamics.drive, b):
+            lever = row(contacts.lever_a[k], 0) if side == 0 else row(contacts.lever_b[k], 0)
+            straight = sub(row(memory.linear_end, b), row(sub_.way, b))
+            turning = sub(row(memory.angular_end, b), row(sub_.turning, b))
+            speed = dot(n, straight) + dot(lever, turning)
+            found += speed if side == 0 else -speed
+    return float(found)

@@ -384,8 +384,9 @@ def passes(
                 return worst, of_face and worst < WANDERING
             earlier, best = best, inf
         _, square = gauss_seidel_sweep(contacts, first, last, True, grip, before)
-        # Fletcher-Reeves; a growing change means that the set of touching or slipping points changed: start again
-        beta = square / last_square if sweep > 0 and square <= last_square else 0.0
+        # Fletcher-Reeves; a growing change means that the set of touching or slipping points changed: start again. The last
+        # impulses are left as the sweep projected them
+        beta = square / last_square if 0 < sweep < cap - 1 and square <= last_square else 0.0
         astray = astray + 1 if beta == 0.0 else 0
         last_square = square
         go_on_along(contacts, first, last, beta, before, direction)

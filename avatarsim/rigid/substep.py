@@ -458,8 +458,8 @@ def solve_ways(
     recall_forces(contacts, memory.last)
     scale_impulses(contacts, h)
     apply_kept(memory, count)
-    if has_linkage(dynamics, members):
-        move_linkages(dynamics, poses, memory, members)
+    if has_linkage(dynamics, members) and move_linkages(dynamics, poses, memory, members):
+        weigh_links(dynamics, poses, memory, 0)
     lay_out(contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end)
     solve(dynamics, poses, memory, members, h, tolerance, sweeps)
     lift_within_energy(dynamics, poses, velocities, memory, members, h, d, tolerance, sweeps)

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from avatarsim.engine import Settings
-from avatarsim.model.joint_limits import cone_excess, room_of_ball, room_of_twist
+from avatarsim.model.joint_limits import cone_excess, has_cone, inside_cone, room_of_ball, room_of_twist
 from avatarsim.model.skeleton import BALL, forward
 from avatarsim.model.world import World, build
 from avatarsim.rigid.contacts import add_contact, weigh
@@ -254,3 +254,27 @@ def test_ball_joints_linearise_their_limits() -> None:
             # another edge is nearer now
             assert after[0] < expected[0] + 1e-7 or abs(expected[0] - expected[1]) < 1e-4
     assert seen > 100
+
+
+def test_a_ball_at_its_limit_may_turn_where_its_linearised_limits_allow() -> None:
+    """At an edge of cone, polygon or twist, where clipping leaves a ball: a small turn within the linearised limits stays inside,
+    but for corners where three limits meet, of which two are linearised."""
+    world = build(Scene("ball", (), (humanoid(),)))
+    skel, random, corners = world.skeleton, np.random.default_rng(8), 0
+    balls = [link for link in range(len(skel.kind)) if skel.kind[link] == BALL and has_cone(skel, link)]
+    for _ in range(2000):
+        link = int(random.choice(balls))
+        outside = columns(Rotation.random(random_state=random).as_matrix()[None], 0)
+        turn = inside_cone(skel, link, outside)
+        if turn == outside:
+            continue
+        room, inward, second, across = room_of_ball(skel, link, turn)
+        least, most, gradient = room_of_twist(skel, link, turn)
+        assert min(room, -least, most) == pytest.approx(0.0, abs=1e-8)
+        limits = [(inward, -room), (across, -min(second, 1.0)), (gradient, least), (np.negative(gradient), -most)]
+        step = 1e-5 * random.normal(size=3)
+        for normal, bound in 100 * limits:
+            step += max(0.0, bound - np.dot(normal, step)) * np.array(normal) / max(1e-12, np.dot(normal, normal))
+        turned = columns((Rotation.from_rotvec(step).as_matrix() @ np.array(turn).T)[None], 0)
+        corners += cone_excess(skel, link, turned) > 1e-7
+    assert corners < 0.02 * 2000

@@ -50,6 +50,17 @@ def test_solution_obeys_every_law(points: int, friction: float) -> None:
                 np.testing.assert_allclose(p[1:], -friction * p[0] * u[1:] / slip, atol=1e-7)
 
 
+@pytest.mark.parametrize("cap", [1, 2, 3, 5])
+def test_impulses_of_a_solve_that_is_cut_short_push_and_stay_in_their_discs(cap: int) -> None:
+    rng = np.random.default_rng(cap)
+    for _ in range(20):
+        contacts, masses, linear, angular = scene(rng, 8, 0.4)
+        memory = np.zeros((ROOM, 3)), np.zeros((ROOM, 3))
+        sweeps(contacts, masses, 0, 8, linear, angular, 1e-12, cap, True, *memory)
+        push, rub = contacts.impulse[:8, 0], np.linalg.norm(contacts.impulse[:8, 1:], axis=1)
+        assert (push >= 0.0).all() and (rub <= 0.4 * push + 1e-12).all()
+
+
 def test_frictionless_solution_is_the_least_kinetic_change() -> None:
     """The plain twin: Gauss's principle as a quadratic programme, by scipy."""
     from scipy.optimize import minimize
