@@ -68,6 +68,10 @@ CROWDED, UNPROVED = -2, -3
 REGROUPS = ROUNDS
 """Times that boxes and islands are made anew in a substep. Fewer: substeps are cut short where bodies change their velocities."""
 
+RESTLESS = 2 * REGROUPS
+"""Segments of an island in a frame after which boxes only grow, and islands only join: else one that bodies join and leave at the
+same instant, as its ways change, is solved again and again. Fewer: more bodies share an island; more: such frames take longer."""
+
 
 @kernel
 def is_crowd(dynamics: Dynamics, memory: Memory, members: Index) -> bool:
@@ -144,7 +148,8 @@ def prove_ways(
         put_ways(velocities, memory, members)
         kept = all_keep(poses, velocities, memory, members, h)
         if not kept:
-            status = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt)
+            widens = memory.islands.spent[members[0]] > RESTLESS
+            status = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt, widens)
             if status == NOT_FINITE:
                 return status
             if not none_joined(memory, members):

@@ -96,7 +96,7 @@ def step(
         )
         for m in range(size):
             memory.corrected[members[m]] = now
-        found = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt)
+        found = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt, False)
         return found if found != DONE else SQUEEZED if worst < DEEPEST else AGAIN
     if outcome == BROKEN:
         return NOT_FINITE
@@ -124,7 +124,7 @@ def fly_or_slide(
     h = segment(dynamics, velocities, memory, members, until_tail_ends(memory, members, now, left))
     until = h
     if not all_keep(poses, velocities, memory, members, h):
-        found = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt)
+        found = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt, False)
         if found == NOT_FINITE:
             return found
         status = found if found != DONE else status

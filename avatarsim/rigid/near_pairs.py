@@ -68,17 +68,23 @@ def turn_within(w: float, t: float) -> float:
 @kernel
 def promise(
     hulls: Array, position: Array, span: Array, chosen: Index, moving: Index, linear: Array, angular: Array, gravity: Array,
-    left: float, margin: float, boxes_out: Array,
+    left: float, margin: float, widens: bool, boxes_out: Array,
 ) -> None:
-    """Make a box of every body of the list that bounds its motion for ``left`` seconds, if nothing hits it."""
+    """Make a box of every body of the list that bounds its motion for ``left`` seconds, if nothing hits it; with ``widens`` it
+    contains the box of before."""
     for m in range(chosen.shape[0]):
         b = chosen[m]
+        before = row(boxes_out, b), (boxes_out[b, 3], boxes_out[b, 4], boxes_out[b, 5])
         if moving[b] == 1:
             turn = turn_within(norm(row(angular, b)), left)
             grow(hulls, position, span, b, linear, gravity, turn, left, margin, boxes_out)
         else:
             for k in range(3):
                 boxes_out[b, k], boxes_out[b, 3 + k] = hulls[b, k] - margin, hulls[b, 3 + k] + margin
+        if widens:
+            for k in range(3):
+                boxes_out[b, k] = min(boxes_out[b, k], before[0][k])
+                boxes_out[b, 3 + k] = max(boxes_out[b, 3 + k], before[1][k])
 
 
 @kernel
@@ -105,13 +111,13 @@ def keeps_promise(
 @kernel
 def near_pairs(
     hulls: Array, position: Array, span: Array, chosen: Index, moving: Index, asleep: Index, linear: Array, angular: Array,
-    gravity: Array, left: float, margin: float, wanted: PairFilter, boxes: Array, sweep: SweepMemory, pairs: Index,
+    gravity: Array, left: float, margin: float, widens: bool, wanted: PairFilter, boxes: Array, sweep: SweepMemory, pairs: Index,
 ) -> tuple[int, int]:
     """Find near pairs by sweep and prune over the motion bounds, anew for the listed bodies; wake sleepers near moving bodies.
 
     Returns (status of the broad phase, number of pairs).
     """
-    promise(hulls, position, span, chosen, moving, linear, angular, gravity, left, margin, boxes)
+    promise(hulls, position, span, chosen, moving, linear, angular, gravity, left, margin, widens, boxes)
     while True:
         status, count = sweep_and_prune(boxes, wanted, sweep, pairs)
         woken = 0

@@ -93,16 +93,17 @@ def notice_driven(geometry: Geometry, poses: Poses, velocities: Velocities, dt: 
 @kernel
 def regroup(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, chosen: Index, now: float,
-    dt: float,
+    dt: float, widens: bool,
 ) -> int:
-    """Bound the motion of these bodies from ``now`` to the end of the frame anew, and form the islands that follow.
+    """Bound the motion of these bodies from ``now`` to the end of the frame anew, and form the islands that follow; those bounds
+    contain the ones of before if ``widens``.
 
     Bodies of an island that is joined by one at ``now`` are rolled back to ``now``. Returns DONE, OUT_OF_ROOM or NOT_FINITE.
     """
     memory.counts[SWEEPS] += 1
     status, count = near_pairs(
         poses.hulls, poses.position, memory.span, chosen, memory.moving, memory.asleep, velocities.linear, velocities.angular,
-        dynamics.gravity, dt - now, memory.margin[0], memory.wanted, memory.boxes, memory.sweep, memory.pairs,
+        dynamics.gravity, dt - now, memory.margin[0], widens, memory.wanted, memory.boxes, memory.sweep, memory.pairs,
     )
     if status == SWEEP_NOT_FINITE:
         return NOT_FINITE

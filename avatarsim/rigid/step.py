@@ -70,7 +70,7 @@ def advance(
     if begin(geometry, dynamics, poses, velocities, dt, memory, switches.sleeping) == 0:
         return DONE
     bodies, islands, paths = memory.moving.shape[0], memory.islands, memory.paths
-    status, now, i = regroup(geometry, dynamics, poses, velocities, memory, memory.all_bodies, 0.0, dt), 0.0, 0
+    status, now, i = regroup(geometry, dynamics, poses, velocities, memory, memory.all_bodies, 0.0, dt, False), 0.0, 0
     if status == NOT_FINITE:
         return status
     for _ in range(STEPS_CAP * bodies):

@@ -258,7 +258,7 @@ def find_free_ways(
         refused, _ = certify_all(geometry, dynamics, poses, velocities, memory, h, d, error if turn < ROUNDS - 1 else 0.0)
         if refused == 0 and sub_.lacking[0] == 0:
             return True
-        if turn == ROUNDS - 1 or sub_.lacking[0] == 1:
+        if turn == ROUNDS - 1 or sub_.lacking[0] == 1 or (at_last and visits_left(memory) < 0):
             break
         for m in range(members.shape[0]):
             # joints transmit the effect of a contact on one link

@@ -112,6 +112,29 @@ def test_hands_that_take_at_random_stay_finite_and_free(seed: int) -> None:
     assert depths.max() <= JUDGED
 
 
+@pytest.mark.parametrize(("name", "seed"), [("hand", 5), ("gallery", 1), ("toys", 3)])
+def test_frames_of_random_drives_into_loose_bodies_come_to_an_end(name: str, seed: int) -> None:
+    """No island is joined and left by others until its segments are spent, and an avatar that is pressed moves on."""
+    random, scene = np.random.default_rng(seed), stage(name).scene
+    world, driver = World(Plan(OURS, scene, Settings(), 60.0)), Driver(scene)
+    loose = [b for b, body in enumerate(scene.bodies) if body.role is Role.SIMULATED]
+    link, shortened, substeps = "", 0, 0
+    for frame in range(300):
+        if frame % 45 == 0:
+            if link:
+                driver.release(link)
+            near = np.clip(world.shown.shown.positions[random.choice(loose)], -3.0, 3.0)
+            goal = near + random.uniform(-0.15, 0.15, 3)
+            link = driver.links[random.integers(len(driver.links))]
+        driver.drag(link, goal)
+        if frame % 15 == 0:
+            driver.press(KEYS[random.integers(len(KEYS))].key)
+        record = world.advance(driver.tick(DT))
+        assert not any(status.startswith("motion") for status in record.statuses)
+        shortened, substeps = shortened + record.counts["ways_shortened"], substeps + record.counts["substeps"]
+    assert substeps > 0 and shortened < substeps
+
+
 def test_pinching_ends_where_a_switch_allows_no_holding() -> None:
     world, samples = pinching()
     world.apply(Command(Order.PINCH, True))

@@ -218,7 +218,7 @@ def held(bodies: list, friction: float) -> bool:
     world = World([*bodies], 0.0, friction)
     memory = world.memory
     begin(world.geometry, world.dynamics, world.poses, world.velocities, DT, memory, True)
-    regroup(world.geometry, world.dynamics, world.poses, world.velocities, memory, memory.all_bodies, 0.0, DT)
+    regroup(world.geometry, world.dynamics, world.poses, world.velocities, memory, memory.all_bodies, 0.0, DT, False)
     islands = memory.islands
     assert islands.found[0] == 1
     members = islands.order[: islands.first[1]]
