@@ -8,6 +8,7 @@ direction outside that cone. When every facet is high enough or excluded, the lo
 """
 
 from math import inf, nan, sqrt
+from typing import NamedTuple
 
 from avatarsim.collision.ellipsoid import bends_out, least_cosine, polish, proves_itself, rolling_radius
 from avatarsim.collision.epa import SMOOTH, VISIBLE, cone_to, deepest_points, epa_to, find_horizon, points_agree
@@ -49,6 +50,23 @@ SAME = NOTHING
 
 EXPLAINED = PROOF
 """Relative to the shapes' size: a facet lower than the answer by less needs no explanation."""
+
+OF_POLYTOPE = -1
+"""In place of a count of minima: the depth is EPA's own."""
+
+
+class Minimum(NamedTuple):
+    """Least depth [m] found so far, its direction and points, how many minima are kept, or OF_POLYTOPE, and the rows of its
+    feature."""
+
+    depth: float
+    n: Vec3
+    on_a: Vec3
+    on_b: Vec3
+    count: int
+    i: int
+    j: int
+    k: int
 
 
 @kernel
@@ -101,14 +119,10 @@ def smooth_depth(
         add_support(vertices, shapes, a, b, m, balls, 0, scratch)
         status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, balls, 1, try_at, scratch)
     rolled = balls[0] + balls[1]
-    best, n, on_a, on_b, minima = inf, m, flat_a, flat_b, 0
-    i, j, k = scratch.rows[0, side], scratch.rows[0, side], scratch.rows[0, side]
+    corner = scratch.rows[0, side]
+    best = Minimum(inf, m, flat_a, flat_b, 0, corner, corner, corner)
     while status == CONVERGED and faces > 0:
-        f, lowest = -1, inf
-        for g in range(faces):
-            if scratch.alive[g] == 1 and scratch.settled[g] == 0 and scratch.height[g] < lowest:
-                if scratch.height[g] < best - EXPLAINED * size and not explained(g, minima, best, scratch):
-                    f, lowest = g, scratch.height[g]
+        f, lowest = lowest_face(faces, size, best, scratch)
         if f < 0:
             break
         m = row(scratch.normal, f)
@@ -117,67 +131,104 @@ def smooth_depth(
         if not (abs(depth) < inf):
             status = NOT_FINITE
             break
-        if best > 0.0 and best < inf:
+        if best.depth > 0.0 and best.depth < inf:
             whole_w = along(w, rolled, m)
-            if bends_out(vertices, shapes, a, b, m, whole_w, lowest / best, best + rolled - EXPLAINED * size):
+            if bends_out(vertices, shapes, a, b, m, whole_w, lowest / best.depth, best.depth + rolled - EXPLAINED * size):
                 scratch.settled[f] = 1
                 continue
         if depth - lowest <= try_at or depth < 0.0:
-            x, y, z = number(scratch.corner[f, 0]), number(scratch.corner[f, 1]), number(scratch.corner[f, 2])
-            i_f, j_f, k_f = scratch.rows[x, side], scratch.rows[y, side], scratch.rows[z, side]
-            found, better, height, p, q = polish(vertices, shapes, a, b, m, i_f, j_f, k_f)
-            new = found and not already_found(better, minima, scratch)
-            if new and height - rolled < best:
-                best, n, on_a, on_b, i, j, k = height - rolled, better, p, q, i_f, j_f, k_f
-                if proves_itself(vertices, shapes, a, b, found, better, height, rolled):
-                    break
-            if new and minima < MINIMA_KEPT:
-                put_row(scratch.w, POINTS_CAP - 2 - minima, better)
-                scratch.height[FACES_CAP - 1 - minima] = least_cosine(vertices, shapes, a, b, better, height)
-                minima += 1
+            best, new, is_proved = polish_face(vertices, shapes, a, b, f, m, side, rolled, best, scratch)
+            if is_proved:
+                break
             if not new:
                 try_at = max(NEARER * (depth - lowest), SMOOTH * size)
                 if depth - lowest <= SMOOTH * size or depth < 0.0:
                     # Newton has nothing to add: EPA's own answer.
-                    if depth < best:
-                        best, n, minima = depth, m, -1
+                    best = of_polytope(best, depth, m, best.depth)
                     break
         if depth - lowest <= EXPLAINED * size:
             # The face is one of A - B's own, which has faces where a core is a polytope and the other a mere ball.
-            if depth < best - EXPLAINED * size:
-                best, n, minima = depth, m, -1
+            if depth < best.depth - EXPLAINED * size:
+                best = of_polytope(best, depth, m, inf)
                 break
             scratch.settled[f] = 1
             continue
         if points >= POINTS_CAP - 2 - MINIMA_KEPT:
             status = OUT_OF_ITERATIONS
-            if depth < best:
-                best, n, minima = depth, m, -1
+            best = of_polytope(best, depth, m, best.depth)
             break
         points += 1
         edges, marked = find_horizon(f, w, VISIBLE * size, scratch)
         whole, faces = cone_to(points - 1, edges, marked, faces, scratch)
         if not whole:
             status = DEGENERATE
-            if depth < best:
-                best, n, minima = depth, m, -1
+            best = of_polytope(best, depth, m, best.depth)
+    return smooth_answer(status, best, m, depth, flat_a, flat_b, faces, size, side, balls, scratch)
+
+
+@kernel
+def of_polytope(best: Minimum, depth: float, m: Vec3, above: float) -> Minimum:
+    """Return the polytope's own depth along m as the least, if it is less than ``above`` [m]."""
+    return Minimum(depth, m, best.on_a, best.on_b, OF_POLYTOPE, best.i, best.j, best.k) if depth < above else best
+
+
+@kernel
+def lowest_face(faces: int, size: float, best: Minimum, scratch: Scratch) -> tuple[int, float]:
+    """Return the lowest face that may hide less depth than the best, or -1, and its height."""
+    f, lowest = -1, inf
+    for g in range(faces):
+        if scratch.alive[g] == 1 and scratch.settled[g] == 0 and scratch.height[g] < lowest:
+            if scratch.height[g] < best.depth - EXPLAINED * size and not explained(g, best.count, best.depth, scratch):
+                f, lowest = g, scratch.height[g]
+    return f, lowest
+
+
+@kernel
+def polish_face(
+    vertices: Rows, shapes: Shapes, a: int, b: int, f: int, m: Vec3, side: int, rolled: float, best: Minimum, scratch: Scratch
+) -> tuple[Minimum, bool, bool]:
+    """Return the least depth after Newton from face f along m, whether its minimum is a new one, and whether it is proved."""
+    x, y, z = number(scratch.corner[f, 0]), number(scratch.corner[f, 1]), number(scratch.corner[f, 2])
+    i, j, k = scratch.rows[x, side], scratch.rows[y, side], scratch.rows[z, side]
+    found, better, height, p, q = polish(vertices, shapes, a, b, m, i, j, k)
+    count = best.count
+    if not found or already_found(better, count, scratch):
+        return best, False, False
+    if height - rolled < best.depth:
+        best = Minimum(height - rolled, better, p, q, count, i, j, k)
+        if proves_itself(vertices, shapes, a, b, found, better, height, rolled):
+            return best, True, True
+    if count < MINIMA_KEPT:
+        put_row(scratch.w, POINTS_CAP - 2 - count, better)
+        scratch.height[FACES_CAP - 1 - count] = least_cosine(vertices, shapes, a, b, better, height)
+        best = Minimum(best.depth, best.n, best.on_a, best.on_b, count + 1, best.i, best.j, best.k)
+    return best, True, False
+
+
+@kernel
+def smooth_answer(
+    status: int, best: Minimum, m: Vec3, depth: float, flat_a: Vec3, flat_b: Vec3, faces: int, size: float, side: int,
+    balls: Balls, scratch: Scratch,
+) -> tuple[int, float, Vec3, Vec3, Vec3, int, int]:
+    """Return `smooth_depth` from the least depth found; m, depth, flat_a, flat_b: without one, of the flat core."""
+    rolled, n = balls[0] + balls[1], best.n
     if status == NOT_FINITE:
         return status, nan, NOWHERE, NOWHERE, NOWHERE, 0, 0
-    if not (best < inf):
-        # A - B is flat, or EPA could not even begin.
+    if not (best.depth < inf):
+        # A - B is flat, or EPA could not even begin
         if faces > 0:
             flat_a, flat_b = deepest_points(m, depth, faces, size, scratch)
         return status, -depth - rolled, neg(m), along(flat_a, balls[0], m), along(flat_b, -balls[1], m), 0, 0
-    if minima < 0:
-        on_a, on_b = deepest_points(n, best, faces, size, scratch)
-        if status == CONVERGED and best < 0.0 and not points_agree(on_a, on_b, n, best, size):
+    if best.count == OF_POLYTOPE:
+        on_a, on_b = deepest_points(n, best.depth, faces, size, scratch)
+        if status == CONVERGED and best.depth < 0.0 and not points_agree(on_a, on_b, n, best.depth, size):
             status = DEGENERATE
-        return status, -best - rolled, neg(n), along(on_a, balls[0], n), along(on_b, -balls[1], n), 0, 0
+        return status, -best.depth - rolled, neg(n), along(on_a, balls[0], n), along(on_b, -balls[1], n), 0, 0
     for slot in range(FEATURE):
         scratch.rows[slot, 0] = scratch.rows[0, 0]
         scratch.rows[slot, 1] = scratch.rows[0, 1]
-    scratch.rows[0, side], scratch.rows[1, side], scratch.rows[2, side] = i, j, k
-    return status, -best - rolled, neg(n), on_a, on_b, FEATURE, 0
+    scratch.rows[0, side], scratch.rows[1, side], scratch.rows[2, side] = best.i, best.j, best.k
+    return status, -best.depth - rolled, neg(n), best.on_a, best.on_b, FEATURE, 0
 
 
 @kernel

@@ -336,14 +336,7 @@ def manifold(
     if corners_a >= 3 or corners_b >= 3:
         found.face[0] = FACE_OF_B if corners_b >= 3 else FACE_OF_A
     if corners_a < 2 or corners_b < 2:
-        if corners_a >= 3 or corners_b >= 3:
-            n = tilted(n, u, v, found.face_b, corners_b) if corners_b >= 3 else tilted(n, u, v, found.face_a, corners_a)
-            along_n = dot(n, sub(on_a, on_b))
-            # the closest point of the lone corner stays; its partner is straight across
-            if corners_a < 2:
-                return only_witness(found, on_a, along(on_a, -along_n, n), along_n), n
-            return only_witness(found, along(on_b, along_n, n), on_b, along_n), n
-        return only_witness(found, on_a, on_b, gap), n
+        return lone_corner(n, u, v, on_a, on_b, gap, corners_a, corners_b, found)
     face_b = corners_b >= 3
     if face_b and corners_a == 2:
         corners_a = beyond_edge(vertices, shapes, a, -1.0, n, u, v, origin, size, found.loose, found.face_a)
@@ -375,6 +368,21 @@ def manifold(
         put_row(found.on_a, i, along(p, found.on_a[i, 2] - shapes.radius[a], n))
         put_row(found.on_b, i, along(p, found.on_b[i, 2] + shapes.radius[b], n))
     return kept, better
+
+
+@kernel
+def lone_corner(
+    n: Vec3, u: Vec3, v: Vec3, on_a: Vec3, on_b: Vec3, gap: float, corners_a: int, corners_b: int, found: Manifold
+) -> tuple[int, Vec3]:
+    """Return `manifold` of a corner and a face, whose normal is exact, or of a corner and an edge or corner."""
+    if corners_a < 3 and corners_b < 3:
+        return only_witness(found, on_a, on_b, gap), n
+    n = tilted(n, u, v, found.face_b, corners_b) if corners_b >= 3 else tilted(n, u, v, found.face_a, corners_a)
+    along_n = dot(n, sub(on_a, on_b))
+    # the closest point of the lone corner stays; its partner is straight across
+    if corners_a < 2:
+        return only_witness(found, on_a, along(on_a, -along_n, n), along_n), n
+    return only_witness(found, along(on_b, along_n, n), on_b, along_n), n
 
 
 @kernel

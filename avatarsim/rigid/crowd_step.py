@@ -343,17 +343,25 @@ def crowd_step(
     given = work_of_surfaces(dynamics, poses, contacts)
     take_gain(dynamics, poses, velocities, memory, members, kinetic + potential + given)
     note_lag(dynamics, velocities, members)
-    ends = now + until > dt * (1.0 - GRAIN)
-    for m in range(size):
-        islands.due[members[m]] = dt if ends else now + until
+    end_substep(dynamics, velocities, memory, members, now + until, dt, fine and not driven)
+    return status
+
+
+@kernel
+def end_substep(
+    dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index, then: float, dt: float, is_calm: bool
+) -> None:
+    """Set the clocks of the members to ``then`` [s], or to the end of the frame, and note whether they are a crowd still; one
+    that was solved finer, ``is_calm``, may leave to the exact path."""
+    contacts, ends = memory.contacts, then > dt * (1.0 - GRAIN)
+    for m in range(members.shape[0]):
+        memory.islands.due[members[m]] = dt if ends else then
     if ends:
         note_calm(dynamics, velocities, memory, members)
     first = frames_in(CALM, dt)
-    tried = calm_frames(memory, members, first) == first
-    taken = fine and not driven and tried and exact_path_takes(contacts)
-    for m in range(size):
-        memory.substeps.crowd[members[m]] = 1 if contacts.used[0] > FEW and not taken else 0
-    return status
+    leaves = is_calm and calm_frames(memory, members, first) == first and exact_path_takes(contacts)
+    for m in range(members.shape[0]):
+        memory.substeps.crowd[members[m]] = 1 if contacts.used[0] > FEW and not leaves else 0
 
 
 @kernel
