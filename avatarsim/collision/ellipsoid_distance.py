@@ -63,7 +63,7 @@ class Minimum(NamedTuple):
     n: Vec3
     on_a: Vec3
     on_b: Vec3
-    count: int
+    minima: int
     i: int
     j: int
     k: int
@@ -178,7 +178,7 @@ def lowest_face(faces: int, size: float, best: Minimum, scratch: Scratch) -> tup
     f, lowest = -1, inf
     for g in range(faces):
         if scratch.alive[g] == 1 and scratch.settled[g] == 0 and scratch.height[g] < lowest:
-            if scratch.height[g] < best.depth - EXPLAINED * size and not explained(g, best.count, best.depth, scratch):
+            if scratch.height[g] < best.depth - EXPLAINED * size and not explained(g, best.minima, best.depth, scratch):
                 f, lowest = g, scratch.height[g]
     return f, lowest
 
@@ -191,7 +191,7 @@ def polish_face(
     x, y, z = number(scratch.corner[f, 0]), number(scratch.corner[f, 1]), number(scratch.corner[f, 2])
     i, j, k = scratch.rows[x, side], scratch.rows[y, side], scratch.rows[z, side]
     found, better, height, p, q = polish(vertices, shapes, a, b, m, i, j, k)
-    count = best.count
+    count = best.minima
     if not found or already_found(better, count, scratch):
         return best, False, False
     if height - rolled < best.depth:
@@ -219,7 +219,7 @@ def smooth_answer(
         if faces > 0:
             flat_a, flat_b = deepest_points(m, depth, faces, size, scratch)
         return status, -depth - rolled, neg(m), along(flat_a, balls[0], m), along(flat_b, -balls[1], m), 0, 0
-    if best.count == OF_POLYTOPE:
+    if best.minima == OF_POLYTOPE:
         on_a, on_b = deepest_points(n, best.depth, faces, size, scratch)
         if status == CONVERGED and best.depth < 0.0 and not points_agree(on_a, on_b, n, best.depth, size):
             status = DEGENERATE
