@@ -56,8 +56,10 @@ OF_POLYTOPE = -1
 
 
 class Minimum(NamedTuple):
-    """Least depth [m] found so far, its direction and points, how many minima are kept, or OF_POLYTOPE, and the rows of its
-    feature."""
+    """Least depth found so far.
+
+    depth [m] along n; on_a, on_b: deepest points; minima: stationary points kept, or OF_POLYTOPE; i, j, k: rows of the feature.
+    """
 
     depth: float
     n: Vec3

@@ -69,8 +69,8 @@ REGROUPS = ROUNDS
 """Times that boxes and islands are made anew in a substep. Fewer: substeps are cut short where bodies change their velocities."""
 
 RESTLESS = 2 * REGROUPS
-"""Segments of an island in a frame after which boxes only grow, and islands only join: else one that bodies join and leave at the
-same instant, as its ways change, is solved again and again. Fewer: more bodies share an island; more: such frames take longer."""
+"""Segments of an island in a frame after which its boxes only grow. Without it a body whose way changes with each solve can join
+and leave the island at one instant without end. Fewer: islands are larger than needed; more: such frames take longer."""
 
 
 @kernel

@@ -5,6 +5,8 @@ further than to the stand-off. A pair whose certificate fails gets rows where it
 case, which require the least gap that can be proved and no more: bodies wedged between two others have no room for a stand-off.
 """
 
+from math import inf
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -233,9 +235,9 @@ def add_refused(
     They require the gap that is to be proved and ``error`` [m], the solver's tolerance. No more: bodies wedged between two others
     have no room, and to lift costs energy.
 
-    Velocities that the rows see are those of the way, of links those that led to it: the next way leads as far beside its own. A
-    corner of a face that is farther away requires its share of the
-    stand-off, as a row of the start does.
+    Rows of bodies without joints use the velocities of their ways. Rows of links use the rates of the joints, which the solve
+    changes; the difference between the two is assumed to stay as it is. A corner of a face that is farther away requires its
+    share of the stand-off, as a row of the start does.
     """
     sub_, contacts = memory.substeps, memory.contacts
     sa, sb = sub_.pieces[q, 0], sub_.pieces[q, 1]
@@ -280,3 +282,22 @@ def bend_along(dynamics: Dynamics, memory: Memory, k: int) -> float:
             speed = dot(n, straight) + dot(lever, turning)
             found += speed if side == 0 else -speed
     return float(found)
+
+
+@kernel
+def aim_by_chords(dynamics: Dynamics, memory: Memory, tolerance: float) -> bool:
+    """Correct the targets of rows for the curvature of the ways of links: by how much less these part along their chords than by
+    the rates of their joints (second-order correction: Nocedal and Wright 2006, section 15.6).
+
+    Returns whether a chord misses the target of its row by more than ``tolerance`` [m/s], so that another solve is needed.
+    """
+    contacts, sub_, misses = memory.contacts, memory.substeps, False
+    for k in range(sub_.lasting[0]):
+        if contacts.target[k] == -inf:
+            continue
+        misses = misses or speed_along(contacts, k, 0, sub_.way, sub_.turning) < contacts.target[k] - tolerance
+        if contacts.impulse[k, 0] > 0.0:
+            # what is lifted stays so
+            contacts.target[k] = max(contacts.target[k], speed_along(contacts, k, 0, memory.linear_end, memory.angular_end))
+        contacts.target[k] += bend_along(dynamics, memory, k)
+    return misses

@@ -19,7 +19,7 @@ from avatarsim.rigid.driven import follow_arcs, strikes_with
 from avatarsim.rigid.energy_audit import kinetic_energy
 from avatarsim.rigid.link_rows import weigh_links
 from avatarsim.rigid.linkages import has_linkage, is_linked, move_linkages, show_linkages, weigh_linkages
-from avatarsim.rigid.margin_rows import aim_rows, bend_along, find_rows, stand_off_of
+from avatarsim.rigid.margin_rows import aim_by_chords, aim_rows, find_rows, stand_off_of
 from avatarsim.rigid.near_pieces import list_pieces_of, may_go
 from avatarsim.rigid.solver import BIAS, lay_out, passes, solve_contacts, take_motion, visits_of_sweep
 from avatarsim.rigid.state import CONTACTS, GUARDED, SOLVES, WORK, Memory
@@ -477,22 +477,3 @@ def solve_ways(
         note_pushed(memory)
         set_ways(geometry, dynamics, poses, velocities, memory, members, h)
     return True, fine
-
-
-@kernel
-def aim_by_chords(dynamics: Dynamics, memory: Memory, tolerance: float) -> bool:
-    """Correct the targets of rows for the curvature of the ways of links: by how much less these part along their chords than by
-    the rates of their joints (second-order correction: Nocedal and Wright 2006, section 15.6).
-
-    Returns whether a chord misses the target of its row by more than ``tolerance`` [m/s], so that another solve is needed.
-    """
-    contacts, sub_, misses = memory.contacts, memory.substeps, False
-    for k in range(sub_.lasting[0]):
-        if contacts.target[k] == -inf:
-            continue
-        misses = misses or speed_along(contacts, k, 0, sub_.way, sub_.turning) < contacts.target[k] - tolerance
-        if contacts.impulse[k, 0] > 0.0:
-            # what is lifted stays so
-            contacts.target[k] = max(contacts.target[k], speed_along(contacts, k, 0, memory.linear_end, memory.angular_end))
-        contacts.target[k] += bend_along(dynamics, memory, k)
-    return misses

@@ -285,7 +285,7 @@ def test_buttons_lead_to_the_worst_moments(run: Path, opened: tuple[Browser, str
     one, _ = opened
     for page in pages.scenes(run)[:2]:
         pages.replayed(one, page)
-        data = one.value("({step: page.replay.times[1], worst: page.replay.views.map((view) => view.moments)})")
+        data = one.value("({times: page.replay.times, worst: page.replay.views.map((view) => view.moments)})")
         wanted = [(number, moment) for number, moments in enumerate(data["worst"]) for moment in moments]
         assert one.value("[...document.querySelectorAll('[data-worst]')].map((one) => Number(one.dataset.worst))") == [
             moment["state"] for _, moment in wanted
@@ -295,8 +295,9 @@ def test_buttons_lead_to_the_worst_moments(run: Path, opened: tuple[Browser, str
             one.value(f"document.querySelectorAll('[data-worst]')[{k}].click()")
             one.until(f"{pages.SHOWN} === {moment['state']}")
             linked = float(one.value("location.hash").removeprefix("#t="))
-            # the address has five decimals, and leads to the nearest state
-            assert linked == pytest.approx(moment["state"] * data["step"], abs=1e-5)
+            # the address has five decimals, and the state is the nearest to it
+            assert linked == pytest.approx(data["times"][moment["state"]], abs=0.5000001e-5)
+            assert numpy.argmin(numpy.abs(numpy.array(data["times"]) - linked)) == moment["state"]
             # the view of the button's engine is on the screen
             box = f"document.querySelectorAll('.view')[{number}].getBoundingClientRect()"
             assert one.value(f"{box}.top >= -1 && {box}.bottom <= window.innerHeight + 1")
