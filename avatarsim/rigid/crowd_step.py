@@ -141,9 +141,9 @@ def prove_ways(
     together, in whichever islands they are now.
 
     Returns:
-        DONE, OUT_OF_ROOM or NOT_FINITE; AGAIN if another body joins, CROWDED, or UNPROVED unless ``at_last``.
+        DONE or NOT_FINITE; AGAIN if another body joins or near pairs have no room, CROWDED, or UNPROVED unless ``at_last``.
     """
-    proved, status = False, DONE
+    proved = False
     for _ in range(REGROUPS):
         put_ways(velocities, memory, members)
         kept = all_keep(poses, velocities, memory, members, h)
@@ -152,7 +152,7 @@ def prove_ways(
             status = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt, widens)
             if status == NOT_FINITE:
                 return status
-            if not none_joined(memory, members):
+            if status == OUT_OF_ROOM or not none_joined(memory, members):
                 put_back(velocities, memory, members)
                 return AGAIN
             proved = False
@@ -164,7 +164,7 @@ def prove_ways(
         if not find_free_ways(geometry, dynamics, poses, velocities, memory, members, h, fine, at_last):
             return UNPROVED
         proved = True
-    return status
+    return DONE
 
 
 @kernel

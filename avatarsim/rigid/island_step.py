@@ -125,9 +125,8 @@ def fly_or_slide(
     until = h
     if not all_keep(poses, velocities, memory, members, h):
         found = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt, False)
-        if found == NOT_FINITE:
+        if found != DONE:
             return found
-        status = found if found != DONE else status
         i = islands.label[lead]
         # with the same members the contacts stay valid, since touching pairs were near before; else the island starts anew
         if islands.first[i + 1] - islands.first[i] != size or not charged_last(memory, i):

@@ -19,6 +19,10 @@ from avatarsim.spatial.vec3 import put_row, row
 
 Index = NDArray[np.int64]
 
+HALVINGS = 16
+"""Times that a horizon is halved where near pairs have no room. After so many, bodies below 650 m/s bound their motion within one
+frame of 1/60 s to 0.2 mm. Fewer: fast crowds wait that could move; more: a heap without room for its pairs costs more sweeps."""
+
 
 @kernel
 def begin(
@@ -98,28 +102,41 @@ def regroup(
     """Bound the motion of these bodies from ``now`` to the end of the frame anew, and form the islands that follow; those bounds
     contain the ones of before if ``widens``.
 
-    Bodies of an island that is joined by one at ``now`` are rolled back to ``now``. Returns DONE, OUT_OF_ROOM or NOT_FINITE.
+    Where the near pairs have no room the horizon of the frame is halved until they have: bodies that reach the end of their
+    bounds get new ones. Bodies of an island that is joined by one at ``now`` are rolled back to ``now``.
+
+    Returns:
+        DONE or NOT_FINITE; OUT_OF_ROOM: no horizon is short enough, the islands are not formed, and the frame has to end.
     """
-    memory.counts[SWEEPS] += 1
-    status, count = near_pairs(
-        poses.hulls, poses.position, memory.span, chosen, memory.moving, memory.asleep, velocities.linear, velocities.angular,
-        dynamics.gravity, dt - now, memory.margin[0], widens, memory.wanted, memory.boxes, memory.sweep, memory.pairs,
-    )
-    if status == SWEEP_NOT_FINITE:
-        return NOT_FINITE
-    room, islands = memory.pairs.shape[0], memory.islands
+    room, islands, count, horizon = memory.pairs.shape[0], memory.islands, 0, min(dt - now, memory.horizon[0])
+    for attempt in range(HALVINGS + 1):
+        memory.counts[SWEEPS] += 1
+        status, count = near_pairs(
+            poses.hulls, poses.position, memory.span, chosen, memory.moving, memory.asleep, velocities.linear,
+            velocities.angular, dynamics.gravity, horizon, memory.margin[0], widens and attempt == 0, memory.wanted,
+            memory.boxes, memory.sweep, memory.pairs,
+        )
+        if status == SWEEP_NOT_FINITE:
+            return NOT_FINITE
+        if count <= room:
+            break
+        horizon *= 0.5
+        memory.horizon[0] = horizon
+    if count > room:
+        memory.horizon[0] = 0.0
+        return OUT_OF_ROOM
     for b in range(memory.moving.shape[0]):
         if memory.moving[b] == 1 and memory.joins[b] == 0:
             # woken just now
             islands.begun[b], islands.due[b] = now, now
         memory.joins[b] = 1 if memory.moving[b] == 1 or dynamics.role[b] == DRIVEN else 0
-    part(islands, memory.pairs, min(count, room), memory.moving, memory.joins, dynamics.drive.tied)
+    part(islands, memory.pairs, count, memory.moving, memory.joins, dynamics.drive.tied)
     memory.counts[ISLANDS] = max(memory.counts[ISLANDS], islands.found[0])
     # at the start of a frame too: an island already at the end of the frame may be joined by bodies at its start
     for b in range(memory.moving.shape[0]):
         if islands.label[b] >= 0 and islands.due[b] > now and due_of(islands, islands.label[b]) <= now:
             go_back(geometry, dynamics, poses, velocities, memory, b, now)
-    return DONE if count <= room else OUT_OF_ROOM
+    return DONE
 
 
 @kernel

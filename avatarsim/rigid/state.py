@@ -108,7 +108,8 @@ def trail_snapshots(world: World, trail: Array, time: float) -> tuple[Snapshot, 
 
 PAIRS_ROOM, PAIRS_PER_BODY = 65536, 32
 """Near pairs held, or so many per body if that is more: a heap of a thousand has about ten thousand, a packed lattice 13 for
-each. A pair without room is not checked, so its bodies pass through each other: the status reports it."""
+each. Fewer: motion is bounded over shorter horizons, each with a broad phase of its own, and a heap that has more pairs at rest
+waits."""
 
 CANDIDATES_MORE = 4
 """Room for so many times the number of bodies more candidates than pairs: see `collision.grid`."""
@@ -116,7 +117,7 @@ CANDIDATES_MORE = 4
 DONE, OUT_OF_SEGMENTS, OUT_OF_IMPACTS, OUT_OF_ROOM, SQUEEZED, NOT_FINITE = range(6)
 """Status of a frame: all of dt passed; the budget of segments is spent and bodies wait for the next frame where they were last
 proved free; the budget of impacts is; more contacts or pairs than fit; overlap is left that no position of simulated bodies
-removes; a pose or velocity is nan or infinite. Nothing overlaps and no energy is added in the first three."""
+removes; a pose or velocity is nan or infinite. Nothing overlaps and no energy is added in the first four."""
 
 AGAIN = -1
 """Outcome of a step: no body was moved, and the step is to be repeated."""
@@ -200,6 +201,7 @@ class Memory(NamedTuple):
     shown_linear       (nb, 3) [m/s] velocities of the displayed motion of driven bodies
     shown_angular      (nb, 3) [rad/s] the same
     substeps           state and scratch of certified substeps
+    horizon            (1) [s] for which motion is bounded at most in this frame; 0 once the pairs have no room for any time
     """
 
     received: Vectors
@@ -249,12 +251,13 @@ class Memory(NamedTuple):
     shown_linear: Vectors
     shown_angular: Vectors
     substeps: Substeps
+    horizon: Line
 
 WORKING = (
     *(f"memory.contacts.{name}" for name in Contacts._fields if name != "visits"),
     "memory.ball", "memory.round", "memory.paths.round", "memory.paths.inertia", "memory.paths.inverse_inertia",
     "memory.strike.inverse_mass", "memory.hold.inverse_mass", "memory.reach", "memory.span", "memory.wanted", "memory.all_bodies",
-    "memory.margin", "memory.touch",
+    "memory.margin", "memory.touch", "memory.horizon",
     "memory.sweep", "memory.pairs", "memory.manifold", "memory.series", "memory.newest", "memory.older",
     "memory.a_rows", "memory.b_rows", "memory.edges", "memory.before", "memory.direction", "memory.boxes",
     "memory.counts", "memory.islands.found", "memory.islands.order", "memory.islands.first", "memory.islands.pairs",
@@ -327,5 +330,5 @@ def make_memory(
         margin=np.full(1, max(margin_for(span, simulated, driven), ROOM_TO_TOUCH * touch if driven else 0.0)),
         touch=np.full(1, touch),
         shown_linear=np.zeros((n, 3)), shown_angular=np.zeros((n, 3)),
-        substeps=make_substeps(n, poses, room, touching),
+        substeps=make_substeps(n, poses, room, touching), horizon=np.zeros(1),
     )

@@ -30,6 +30,7 @@ from avatarsim.rigid.state import (
     DONE,
     EVENTS_CAP,
     NOT_FINITE,
+    OUT_OF_ROOM,
     OUT_OF_SEGMENTS,
     STATUS_NAMES,
     WORKING,
@@ -70,12 +71,13 @@ def advance(
     if begin(geometry, dynamics, poses, velocities, dt, memory, switches.sleeping) == 0:
         return DONE
     bodies, islands, paths = memory.moving.shape[0], memory.islands, memory.paths
+    memory.horizon[0] = dt
     status, now, i = regroup(geometry, dynamics, poses, velocities, memory, memory.all_bodies, 0.0, dt, False), 0.0, 0
     if status == NOT_FINITE:
         return status
     for _ in range(STEPS_CAP * bodies):
         i = behind(islands, dt, now, i if i < islands.found[0] else 0)
-        if i < 0:
+        if i < 0 or memory.horizon[0] == 0.0:
             break
         now = islands.due[islands.order[islands.first[i]]]
         outcome = step(geometry, dynamics, poses, velocities, dt, i, memory, events, switches)
@@ -93,6 +95,8 @@ def advance(
             put_columns(memory.trial.rotation, b, columns(poses.rotation, b))
             if switches.record:
                 place(geometry, memory.trial, b)
+    if memory.horizon[0] == 0.0:
+        return OUT_OF_ROOM
     return OUT_OF_SEGMENTS if i >= 0 else status
 
 
