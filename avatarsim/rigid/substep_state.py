@@ -27,6 +27,7 @@ class Substeps(NamedTuple):
     share           (nb) share of its own motion that the body keeps; the rest is the mean of its group
     group           (nb) union-find parent in a group of refused bodies, or FIXED_GROUP
     mean            (nb, 3) [m/s] weighted mean velocity of the group that the body represents; mass (nb) [kg] its weight
+    wall            (nb, 3) normal, into the group, of the body along which the group that the body represents slides; 0 without
     way, turning    (nb, 3) velocities at the start of the way in this substep [m/s], [rad/s]
     turn            (nb) [rad] angle turned in this substep
     bulge           (nb) [m] how far core points leave the chord of their way

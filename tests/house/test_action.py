@@ -67,6 +67,12 @@ def test_the_job_ends_with_the_code_of_the_comparison(repository: Path, limit: s
     assert "tracker/default" in done.stdout and done.stdout in (repository / "summary.md").read_text()
 
 
+@pytest.mark.parametrize("path", sorted((ROOT / ".github").rglob("*.yml")), ids=lambda path: path.name)
+def test_forms_and_workflows_can_be_read(path: Path) -> None:
+    read = yaml.safe_load(path.read_text(encoding="utf-8"))
+    assert "body" in read if path.parent.name == "ISSUE_TEMPLATE" else "jobs" in read
+
+
 def test_wrong_input_ends_the_job(repository: Path) -> None:
     done = ran("compare", repository, scene="none; touch here", options=QUICK, python=sys.executable)
     assert done.returncode == 2 and "none; touch here" in done.stderr and not (repository / "here").exists()
