@@ -20,15 +20,13 @@ class Stage:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ("calls", "ns", "_start")
     WRITTEN: ClassVar[tuple[str, ...]] = ()
-    KEPT: ClassVar[tuple[str, ...]] = ()
-    WORKING: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, timing: bool) -> None:
         self.timing, self.calls, self.ns, self._start = timing, 0, 0, 0
 
-    def ranges(self) -> Mapping[str, tuple[int, int]]:
+    def kept(self) -> tuple[()]:
         """Return nothing: a clock is no part of the world."""
-        return {}
+        return ()
 
     def __enter__(self) -> None:
         self.calls += 1

@@ -36,6 +36,7 @@ class Snapshot:
     (the velocities right before it are the previous snapshot's, at the same time, named "approach"). An event's time is when the
     surfaces meet, where the engine knows that better than from its last pose. When that pose keeps a gap, this is later by the
     time in which the gap closes, and so may be after the frame's end: nanoseconds at 2 m/s, the longer the slower the impact.
+    `bodies` names the two that met, in the order of the scene; empty at a step, and where an engine does not report them.
     Steps of driven bodies take no time: they are where the frame begins, or, after loose bodies have moved on, where it ends.
     """
 
@@ -45,12 +46,13 @@ class Snapshot:
     velocities: Final[Array]
     angular_velocities: Final[Array]
     event: Final[str]
+    bodies: Final[tuple[str, ...]]
 
     def __init__(
         self, time: float, positions: Array, orientations: Array, velocities: Array, angular_velocities: Array,
-        event: str = "step",
+        event: str = "step", bodies: tuple[str, ...] = (),
     ) -> None:
-        self.time, self.event = time, event
+        self.time, self.event, self.bodies = time, event, bodies
         self.positions, self.orientations = positions, orientations
         self.velocities, self.angular_velocities = velocities, angular_velocities
 

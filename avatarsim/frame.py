@@ -8,9 +8,10 @@ which are recorded, or whose method is another than `default`.
 """
 
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from avatarsim.batch import MOVING, Output, job_of
 from avatarsim.counters import StageClock, Tally
@@ -37,6 +38,12 @@ def lower_loop(
     return IkLoop(world, chosen.posture, chosen.coupling, seed, record=record)
 
 
+class GivenSample(NamedTuple):
+    """Positions, rotations and angles of the last sample for moving bodies; empty without any."""
+
+    given: tuple[NDArray[np.float64], ...]
+
+
 class Frames:
     """The stages of a frame over one world, in order, each only if the scene needs its effect."""
 
@@ -48,8 +55,6 @@ class Frames:
     )
     ASSIGNED: ClassVar[tuple[str, ...]] = ("time", "passed", "is_lost")
     WRITTEN: ClassVar[tuple[str, ...]] = ("given",)
-    KEPT: ClassVar[tuple[str, ...]] = ("given",)
-    WORKING: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, world: World, method: str, chosen: Chosen, seed: int, *, record: bool, time_stages: bool) -> None:
         self.world, self.effects, self.clock = world, world.scene.effects, StageClock(time_stages)
@@ -167,9 +172,9 @@ class Frames:
             statuses["tracking_lost"] = sum(not avatar.moves for avatar in self.world.scene.avatars)
         return statuses | self.upper.statuses() if self.effects.dynamics else statuses
 
-    def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Return nothing: the arrays are the loops'."""
-        return {}
+    def kept(self) -> GivenSample:
+        """Return the last given poses of moving bodies; those of other parts are theirs."""
+        return GivenSample(self.given)
 
     def go_on_from(self, time: float) -> None:
         """Continue from the arrays of a frame that ended at `time` [s], which replaced those of all parts."""

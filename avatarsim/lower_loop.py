@@ -3,8 +3,7 @@
 Lower loop without overlap removal, for scenes that switch it off: the tracker's posture is shown as it is.
 """
 
-from collections.abc import Mapping
-from typing import ClassVar, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -46,22 +45,19 @@ from avatarsim.ik.state import (
 )
 from avatarsim.ik.target import clip_to_limits, copy_posture, largest
 from avatarsim.jit.arena import pack, view_arena
+from avatarsim.jit.kept import FLAG, NOT_KEPT
 from avatarsim.jit.kernel import entry_kernel
 from avatarsim.jit.layout import Array, Index, IndexLine
 from avatarsim.model.skeleton import carry, forward
 from avatarsim.model.world import Target, TargetParts, World, WorldParts
 from avatarsim.planner.follow_path import aim_along_paths
-from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan, make_planner, plan_is_sound
+from avatarsim.planner.state import Ghost, Plan, make_planner, plan_is_sound
 from avatarsim.planner.supervisor import drop_paths, supervise
 from avatarsim.rigid.state import trail_snapshots
 from avatarsim.settings import CouplingSettings, PostureSettings
-from avatarsim.spatial.random import MODULUS
 
 STATUS_PLACES = tuple((COUNT_NAMES[place], place) for place in (BAD_QUERIES, DROPPED, WAITING, OUT_OF_WORK, PLANNING, FOLLOWING))
 """Names and indices of the counts that a frame record shows as statuses."""
-
-MOST = 2**60
-"""Largest count in a snapshot: counting on from there takes longer than the Earth is old."""
 
 STEPS_KEPT = 64
 """Most steps of one frame whose poses a recording keeps; more are counted. Each island takes a step of its own."""
@@ -75,14 +71,14 @@ class IkParts(NamedTuple):
     """Contents of the arena of the lower loop; `coupled`: whether the coupling acts; lost (1): 1 while tracking is lost."""
 
     coupled: bool
-    lost: IndexLine
+    lost: Annotated[IndexLine, FLAG]
     trackers: TrackedMotion
-    settings: PostureSettings
-    avatars: Avatars
+    settings: Annotated[PostureSettings, NOT_KEPT]
+    avatars: Annotated[Avatars, NOT_KEPT]
     state: IkState
-    working: IkScratch
+    working: Annotated[IkScratch, NOT_KEPT]
     plan: Plan
-    ghost: Ghost
+    ghost: Annotated[Ghost, NOT_KEPT]
 
 
 @entry_kernel
@@ -180,8 +176,6 @@ class IkLoop:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ("_known", "_told")
     WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
-    KEPT: ClassVar[tuple[str, ...]] = ("lost", "trackers", "state", "plan")
-    WORKING: ClassVar[tuple[str, ...]] = ("trackers.still",)
 
     def __init__(
         self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0, *, record: bool = False
@@ -205,6 +199,7 @@ class IkLoop:
         self.words, own = pack(
             IkParts(coupled, np.zeros(1, dtype=np.int64), trackers, settings, *solver, *planner)
         )
+        self._parts = own
         self.trackers, self.avatars, self.state, self.working = own.trackers, own.avatars, own.state, own.working
         self.lost = own.lost
         self.plan, self.ghost = own.plan, own.ghost
@@ -225,30 +220,9 @@ class IkLoop:
         self._known = self._moving
         return known
 
-    def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Return bodies, pieces and counts; `ik.state.state_is_sound` checks them against each other."""
-        geo = self.world.geometry
-        pieces, bodies = len(geo.body), len(geo.first_shape) - 1
-        return {
-            **self._planned(), "lost": (0, 1), "trackers.turn": (-1, 1), "axis_step": (-1, MOST), "gap_step": (-1, MOST),
-            "pairs.step": (0, MOST), "used": (0, MOST),
-            "key": (-1, pieces * pieces - 1), "pieces": (pieces, pieces), "near": (0, max(bodies - 1, 0)),
-            "near_count": (0, bodies), "pair": (0, max(pieces - 1, 0)), "age": (0, MOST),
-            "mode": (min(Mode), max(Mode)), "island": (0, max(len(self.state.tracking) - 1, 0)), "is_legal": (0, 1),
-            "has_failed": (0, 1), "is_certified": (0, 1),
-            "has_model": (0, 1), "is_located": (0, 1), "has_arrived": (0, 1), "is_straight": (0, 1), "is_led": (0, 1),
-        }
-
-    def _planned(self) -> Mapping[str, tuple[int, int]]:
-        """Return the ranges of the planner; matched first, since other fields are called `count` too."""
-        node, count = (NONE, NODES - 1), (0, NODES)
-        return {
-            "phase": (min(Phase), max(Phase)), "candidate": count, "samples": count, "searches.tree": (0, 1), "searches.at": node,
-            "searches.count": count, "begun": count, "meeting": node, "here": (0, NODES - 1), "length": count,
-            "place": (0, NODES - 1), "cuts": (0, MOST), "cut_from": (0, NODES - 1),
-            "cut_to": (0, NODES - 1), "random": (1, MODULUS - 1), "before": node, "plan.tree": (0, 2), "path": node,
-            "plan.turn": (0, max(len(self.state.tracking) - 1, 0)),
-        }
+    def kept(self) -> IkParts:
+        """Return what passes from frame to frame."""
+        return self._parts
 
     def go_on(self, begun: bool) -> None:
         """Continue from a new state, of which a frame has, or has not, begun; InvalidSnapshot if it contradicts itself."""
@@ -317,17 +291,15 @@ class TrackedLoop:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ()
     WRITTEN: ClassVar[tuple[str, ...]] = ("_still", "_axes")
-    KEPT: ClassVar[tuple[str, ...]] = ()
-    WORKING: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, world: World) -> None:
         self.world = world
         degrees = int(world.skeleton.first_dof[-1])
         self._still, self._axes = np.zeros(degrees), np.zeros((degrees, 3))
 
-    def ranges(self) -> Mapping[str, tuple[int, int]]:
+    def kept(self) -> tuple[()]:
         """Return nothing: no array is kept."""
-        return {}
+        return ()
 
     def go_on(self, begun: bool) -> None:
         """Do nothing: every frame is the first."""

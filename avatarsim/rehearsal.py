@@ -10,7 +10,7 @@ the words that such a frame changed are found, and some more are run of which on
 frame, and its code, in the caches, and with Python's own code for it specialised.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -34,13 +34,10 @@ class Part(Protocol):
     """Names of attributes that a frame assigns to."""
     WRITTEN: ClassVar[tuple[str, ...]]
     """Names of attributes whose arrays a frame writes into: arrays, or nested tuples of them."""
-    KEPT: ClassVar[tuple[str, ...]]
-    """Names of attributes whose arrays pass from frame to frame: the content of a snapshot. Views of those above, or they."""
-    WORKING: ClassVar[tuple[str, ...]]
-    """Dotted names of arrays among those, and of tuples, that hold nothing from frame to frame, or nothing that changes."""
 
-    def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Return the least and largest value of whole numbers that are kept, by the end of their dotted name."""
+    def kept(self) -> tuple[object, ...]:
+        """Return arrays, in nested named tuples, that pass from frame to frame: the content of a snapshot, but for those that
+        are marked otherwise (`avatarsim.jit.kept`). Views of those above, or they."""
 
 
 class Undo:

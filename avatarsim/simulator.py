@@ -300,7 +300,7 @@ class AvatarsimEngine:
         process or another, continues from there to the bit, as long as it is the same version on the same kind of processor."""
         with self._alone():
             frames = self._running()
-            return written(self._who(), frames.time, kept_by(frames.parts()))
+            return written(self._who(), frames.time, kept_by(frames))
 
     def restore(self, data: bytes) -> FrameRecord:
         """Go back, or on, to where `snapshot` returned `data`; return the state shown there.
@@ -312,7 +312,7 @@ class AvatarsimEngine:
         """
         with self._alone():
             frames = self._running()
-            kept = kept_by(frames.parts())
+            kept = kept_by(frames)
             time, arrays = read(data, self._who(), kept)
             before, now = [field.array.copy() for field in kept], frames.time
             try:
@@ -408,7 +408,7 @@ class AvatarsimEngine:
         if self._identity is None:
             frames, method = self._running(), self._settings.preset
             in_force = method, *(getattr(self._chosen, group) for group in METHOD_SETTINGS[method])
-            self._identity = identity(frames.world.scene, in_force, kept_by(frames.parts()))
+            self._identity = identity(frames.world.scene, in_force, kept_by(frames))
         return self._identity
 
     def stage_calls(self) -> Mapping[str, int]:

@@ -24,13 +24,14 @@ from numpy.typing import NDArray
 from avatarsim.coupling.coupled_bodies import link_together
 from avatarsim.errors import AvatarsimError, InvalidSnapshot
 from avatarsim.frame import Frames
+from avatarsim.jit.kept import Sizes, hints_of, is_kept, kept_names, whole_of
+from avatarsim.jit.layout import unmarked
 from avatarsim.lower_loop import IkLoop
 from avatarsim.model.dynamics import DriveState
 from avatarsim.model.geometry import place
 from avatarsim.model.skeleton import Posture
 from avatarsim.model.world import World
 from avatarsim.paper.method import PaperLoop
-from avatarsim.rehearsal import Part
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Role
 from avatarsim.scene.joint import axes_of
@@ -71,41 +72,36 @@ class Field(NamedTuple):
     most: int
 
 
-def kept_by(parts: Sequence[Part]) -> list[Field]:
-    """Return the fields that `parts` keep from frame to frame, in order. One of whole numbers without a range is an error."""
-    found = []
-    for part in parts:
-        ranges = part.ranges()
-        for name in part.KEPT:
-            for path, array in _named(f"{type(part).__name__}.{name}", getattr(part, name)):
-                short = path.partition(".")[2]
-                if not any(short == left or short.startswith(f"{left}.") for left in part.WORKING):
-                    found.append(Field(path, array, *_range(path, short, array, ranges)))
-    return found
+def kept_by(frames: Frames) -> list[Field]:
+    """Return the fields that the parts of a frame keep from one to the next, in order. One of whole numbers without a range is
+    an error."""
+    world = frames.world
+    sizes = Sizes(len(world.centres), len(world.geometry.body), len(world.scene.avatars))
+    return [field for part in frames.parts() for field in _kept(type(part).__name__, part.kept(), None, sizes)]
 
 
-def _named(path: str, value: object) -> Iterator[tuple[str, Bits]]:
-    """Yield arrays in nested named tuples with their dotted names, of tables each column; single numbers are constants, and
-    records working memory."""
-    if isinstance(value, np.ndarray) and value.dtype.names is not None:
-        for column in value.dtype.names:
-            yield f"{path}.{column}", value[column]
+def _kept(path: str, value: object, annotation: Any, sizes: Sizes, inherited: bool = True) -> Iterator[Field]:
+    """Yield arrays in nested named tuples, and columns of tables; numbers are constants, and records working memory."""
+    kept = is_kept(annotation, inherited)
+    if isinstance(value, np.ndarray) and value.dtype.names is None:
+        if kept:
+            yield Field(path, value, *_range(path, value, annotation, sizes))
     elif isinstance(value, np.ndarray):
-        yield path, value
+        for column in value.dtype.names if kept else ():
+            yield from _kept(f"{path}.{column}", value[column], hints_of(unmarked(annotation))[column], sizes)
     elif isinstance(value, tuple):
         names: Iterable[str] = getattr(value, "_fields", map(str, range(len(value))))
-        for name, part in zip(names, value, strict=True):
-            yield from _named(f"{path}.{name}", part)
+        for name, one in zip(names, value, strict=True):
+            yield from _kept(f"{path}.{name}", one, hints_of(type(value)).get(name), sizes, kept)
 
 
-def _range(path: str, short: str, array: Bits, ranges: Mapping[str, tuple[int, int]]) -> tuple[int, int]:
+def _range(path: str, array: Bits, annotation: Any, sizes: Sizes) -> tuple[int, int]:
     if array.dtype == np.bool_:
         return 0, 1
     if array.dtype == np.float64:
         return 0, 0
-    for name, least_and_most in ranges.items():
-        if short == name or short.endswith(f".{name}"):
-            return least_and_most
+    if whole := whole_of(annotation):
+        return whole.range_for(sizes._replace(rows=len(array)))
     raise AvatarsimError(f"no range is stated for the whole numbers in {path}: this is a defect")
 
 
@@ -365,6 +361,6 @@ def carry_coupling(old: Frames, new: Frames, one: IkLoop, other: IkLoop, both: S
     for into, of in ((other.trackers.one, one.trackers.one), (other.trackers.other, one.trackers.other)):
         taken(into.position, of.position, links)
         taken(into.rotation, of.rotation, links)
-    for name in DriveState._fields:
-        if f"drive.{name}" not in World.WORKING and name not in ("carrier", "tied", "linked"):
+    for name in kept_names(DriveState):
+        if name not in ("carrier", "tied", "linked"):
             taken(getattr(new.world.drive, name), getattr(old.world.drive, name), links)

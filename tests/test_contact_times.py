@@ -54,6 +54,7 @@ def first_impact(body: Body, gravity: tuple[float, float, float]) -> tuple[Snaps
     engine.close()
     assert [snapshot.event for snapshot in met[:2]] == ["approach", "impact"], "it was not stopped"
     assert met[0].time == met[1].time
+    assert met[0].bodies == met[1].bodies == scene.names and not shown[-1].bodies
     return met[0], met[1], shown
 
 

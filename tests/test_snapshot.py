@@ -282,7 +282,7 @@ def test_a_forged_number_is_refused_or_harmless(name: str) -> None:
 def forged(engine: AvatarsimEngine, data: bytes, name: str, change: Callable[[np.ndarray], None]) -> bytes:
     """Return a snapshot with one array changed, under a checksum that is right."""
     body, at = bytearray(zlib.decompress(data[HEAD.size : -DIGEST])), 0
-    for kept in kept_by(engine._running().parts()):
+    for kept in kept_by(engine._running()):
         if kept.name == name:
             array = np.frombuffer(body, kept.array.dtype, kept.array.size, at).reshape(kept.array.shape)
             change(array)

@@ -4,11 +4,12 @@ Torque-free rotation, exact to rounding: Taylor series of Euler's equations and 
 """
 
 from math import cos, sin, sqrt
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.jit.kept import NOT_KEPT, Whole
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Grid, IndexLine, Line, Matrices, Vectors
 from avatarsim.model.geometry import Geometry, Poses, place
@@ -136,12 +137,12 @@ class Paths(NamedTuple):
     inverse_inertia (nb, 3, 3) in body axes; time (nb) [s] of the `trial` poses; v, w (nb, 3) velocities then.
     """
 
-    kind: IndexLine
+    kind: Annotated[IndexLine, Whole(STILL, HELD)]
     linear: Vectors
     angular: Vectors
-    round: IndexLine
-    inertia: Matrices
-    inverse_inertia: Matrices
+    round: Annotated[IndexLine, NOT_KEPT]
+    inertia: Annotated[Matrices, NOT_KEPT]
+    inverse_inertia: Annotated[Matrices, NOT_KEPT]
     time: Line
     v: Vectors
     w: Vectors

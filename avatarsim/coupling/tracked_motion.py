@@ -4,13 +4,14 @@ Where contacts with fixed bodies block a link, its velocity is projected onto th
 """
 
 from math import ceil, log
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.coupling.equation_6 import coupled
 from avatarsim.ik.state import Contacts
+from avatarsim.jit.kept import NOT_KEPT, Whole
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import IndexLine, Line, Vectors
 from avatarsim.model.dynamics import FIXED, DriveState, Dynamics, Velocities
@@ -43,8 +44,8 @@ class TrackedMotion(NamedTuple):
 
     one: Poses
     other: Poses
-    turn: IndexLine
-    still: Line
+    turn: Annotated[IndexLine, Whole(-1, 1)]
+    still: Annotated[Line, NOT_KEPT]
     axes: Vectors
 
 

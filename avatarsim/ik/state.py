@@ -14,12 +14,13 @@ number are in the ranges of `lower_loop`.
 """
 
 from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collision.scratch import Scratch
+from avatarsim.jit.kept import AVATAR, BODY, COUNT, COUNT_OR_NONE, FLAG, PIECE, Whole
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Cube, FlagLine, Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
 from avatarsim.jit.record import known_as_table
@@ -45,16 +46,16 @@ class PairCache(NamedTuple):
     axis_step (n) is the present one; normal (n, 3), gap (n) nearest direction and gap [m] at the shown state, right if gap_step
     (n) is the present one; step (1): number of the present step; pieces (1): how many there are."""
 
-    key: IndexLine
-    used: IndexLine
+    key: Annotated[IndexLine, Whole(EMPTY, lambda sizes: sizes.pieces**2 - 1)]
+    used: Annotated[IndexLine, COUNT]
     axis: Vectors
     axis_gap: Line
-    axis_step: IndexLine
+    axis_step: Annotated[IndexLine, COUNT_OR_NONE]
     normal: Vectors
     gap: Line
-    gap_step: IndexLine
-    step: IndexLine
-    pieces: IndexLine
+    gap_step: Annotated[IndexLine, COUNT_OR_NONE]
+    step: Annotated[IndexLine, COUNT]
+    pieces: Annotated[IndexLine, Whole(lambda sizes: sizes.pieces, lambda sizes: sizes.pieces)]
 
 
 def make_pair_cache(driven: int, pieces: int) -> PairCache:
@@ -171,7 +172,7 @@ TRACKING = np.dtype(
 class Tracking(np.recarray[Any, np.dtype[Any]]):
     """One row per avatar."""
 
-    mode: NDArray[np.int64]
+    mode: Annotated[NDArray[np.int64], Whole(min(Mode), max(Mode))]
     """A Mode."""
     share: Array
     """Share of the Newton step that a step takes."""
@@ -194,24 +195,24 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
     """[m] distance of the link origin that is farthest from its target, as the frame ends."""
     reach: Array
     """[m] mean reach of a link: the length that turns radians into metres."""
-    island: Index
+    island: Annotated[Index, AVATAR]
     """The avatar with the least number in the same island."""
-    is_legal: Index
+    is_legal: Annotated[Index, FLAG]
     """1 if the tracker's posture keeps all limits: then the target is that posture, the straight way may end at it, and the
     budget of a frame is of its motion."""
-    has_failed: Index
+    has_failed: Annotated[Index, FLAG]
     """1 if a pair or a limit of this avatar failed at the trial."""
-    is_certified: Index
+    is_certified: Annotated[Index, FLAG]
     """1 if nothing of this avatar failed at this very trial, so that only changes by the others are checked again."""
-    has_model: Index
+    has_model: Annotated[Index, FLAG]
     """1 if the model of this step, with its metric, is at hand."""
-    is_located: Index
+    is_located: Annotated[Index, FLAG]
     """1 if the link origins of the tracker's posture are at hand."""
-    has_arrived: Index
+    has_arrived: Annotated[Index, FLAG]
     """1 if the last step ended at the tracker's posture."""
-    is_straight: Index
+    is_straight: Annotated[Index, FLAG]
     """1 if the last step was the straight way to the target, in which all of a frame's motion is."""
-    is_led: Index
+    is_led: Annotated[Index, FLAG]
     """1 if something other than the tracker led it in the last frame: a path or a load."""
 
 
@@ -252,8 +253,8 @@ class Contacts(NamedTuple):
     """The active contacts of the last solved step: used (1) how many; pair (m, 2) pieces; normal (m, 3) unit vectors out of the
     second into the first; multiplier (m) [m], how hard the objective [m^2] presses."""
 
-    used: IndexLine
-    pair: IndexGrid
+    used: Annotated[IndexLine, COUNT]
+    pair: Annotated[IndexGrid, PIECE]
     normal: Vectors
     multiplier: Line
 
@@ -268,9 +269,9 @@ class Touching(NamedTuple):
     """Pairs that were in contact lately, and so have a row in the next step before anything fails: used (1) how many; pair (m, 2)
     pieces; age (m) steps since the row was last active."""
 
-    used: IndexLine
-    pair: IndexGrid
-    age: IndexLine
+    used: Annotated[IndexLine, COUNT]
+    pair: Annotated[IndexGrid, PIECE]
+    age: Annotated[IndexLine, COUNT]
 
 
 class Inertia(NamedTuple):
@@ -316,8 +317,8 @@ class IkState(NamedTuple):
     contacts: Contacts
     touching: Touching
     pairs: PairCache
-    near: IndexGrid
-    near_count: IndexLine
+    near: Annotated[IndexGrid, BODY]
+    near_count: Annotated[IndexLine, Whole(0, lambda sizes: sizes.bodies)]
     near_box: Grid
     axes: Vectors
     budget: Budget

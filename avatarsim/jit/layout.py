@@ -65,6 +65,11 @@ def numba_type(kind: Any) -> Any:
     return types.BaseTuple.from_types(tuple(map(numba_type, fields(kind))), kind)
 
 
+def unmarked(kind: Any) -> Any:
+    """Return the annotation of a field that is no array without its marks, which say nothing of its layout."""
+    return kind.__origin__ if hasattr(kind, "__metadata__") and axes_of(kind) is None else kind
+
+
 def axes_of(kind: Any) -> Axes | None:
     """Return the axes of a field with this annotation; None if that is no array."""
     return next((one for one in getattr(kind, "__metadata__", ()) if isinstance(one, Axes)), None)
@@ -72,11 +77,11 @@ def axes_of(kind: Any) -> Axes | None:
 
 @cache
 def fields(kind: Any) -> tuple[Any, ...]:
-    """Return annotations of the fields of a named tuple, in their order."""
+    """Return annotations of the fields of a named tuple, in their order, without marks that say nothing of the layout."""
     if not hasattr(kind, "_fields"):
         raise AvatarsimError(f"an arena holds no {kind}: this is a defect")
     hints = get_type_hints(kind, include_extras=True)
-    return tuple(hints[name] for name in kind._fields)
+    return tuple(unmarked(hints[name]) for name in kind._fields)
 
 
 def layout_tag(kind: Any) -> int:

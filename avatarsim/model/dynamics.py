@@ -2,11 +2,12 @@
 
 from collections import Counter
 from itertools import combinations_with_replacement
-from typing import NamedTuple
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.jit.kept import BODY, BODY_OR_NONE, FLAG, NOT_KEPT, Whole
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Grid, IndexLine, Line, Matrices, Vectors
 from avatarsim.model.couplings import elimination_parents
@@ -88,6 +89,10 @@ def make_linkage(scene: Scene) -> Linkage:
     )
 
 
+PAUSE: Final = Whole(0, 1_000_000)
+"""Frames of a pause: at most a second of frames of a microsecond."""
+
+
 class DriveState(NamedTuple):
     """State of the virtual coupling of driven bodies that the upper loop moves while they are under load. nb bodies.
 
@@ -117,40 +122,40 @@ class DriveState(NamedTuple):
     fastest, fastest_turn   (nb) [m/s], [rad/s] at which a lag is made up
     """
 
-    linkage: Linkage
-    tied: IndexLine
-    linked: IndexLine
-    moves: IndexLine
-    blocked: IndexLine
-    blocked_turn: IndexLine
-    carrier: IndexLine
+    linkage: Annotated[Linkage, NOT_KEPT]
+    tied: Annotated[IndexLine, BODY]
+    linked: Annotated[IndexLine, FLAG]
+    moves: Annotated[IndexLine, NOT_KEPT]
+    blocked: Annotated[IndexLine, FLAG]
+    blocked_turn: Annotated[IndexLine, FLAG]
+    carrier: Annotated[IndexLine, BODY_OR_NONE]
     held_place: Vectors
     held_turn: Matrices
-    may_couple: IndexLine
-    coupled: IndexLine
-    loaded: IndexLine
+    may_couple: Annotated[IndexLine, NOT_KEPT]
+    coupled: Annotated[IndexLine, FLAG]
+    loaded: Annotated[IndexLine, FLAG]
     unloaded: Line
     position: Vectors
     turn: Matrices
-    paused: IndexLine
-    spread: IndexLine
+    paused: Annotated[IndexLine, PAUSE]
+    spread: Annotated[IndexLine, PAUSE]
     linear: Vectors
     angular: Vectors
     gained: Vectors
     gained_turn: Vectors
-    ramp: Vectors
-    ramp_turn: Vectors
-    user: Vectors
-    user_turn: Vectors
+    ramp: Annotated[Vectors, NOT_KEPT]
+    ramp_turn: Annotated[Vectors, NOT_KEPT]
+    user: Annotated[Vectors, NOT_KEPT]
+    user_turn: Annotated[Vectors, NOT_KEPT]
     lag: Vectors
     lag_turn: Vectors
     offset: Vectors
-    mass: Line
-    stiffness: Line
-    damping: Line
-    largest_force: Line
-    fastest: Line
-    fastest_turn: Line
+    mass: Annotated[Line, NOT_KEPT]
+    stiffness: Annotated[Line, NOT_KEPT]
+    damping: Annotated[Line, NOT_KEPT]
+    largest_force: Annotated[Line, NOT_KEPT]
+    fastest: Annotated[Line, NOT_KEPT]
+    fastest_turn: Annotated[Line, NOT_KEPT]
 
 
 def make_drive(scene: Scene, inverse_mass: Array) -> DriveState:

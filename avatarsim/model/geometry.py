@@ -7,11 +7,12 @@ the few pairs may be that overlap at home.
 """
 
 from collections.abc import Iterable, Sequence
-from typing import Any, Final, NamedTuple
+from typing import Annotated, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from avatarsim.jit.kept import NOT_KEPT, Whole
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Grid, IndexLine, Line, Matrices, Vectors
 from avatarsim.jit.record import known_as_table
@@ -78,9 +79,9 @@ class PairFilter(NamedTuple):
     never    (m) bodies k > i, in ascending order for each i: neighbours in a chain, the author's exclusions
     """
 
-    family: IndexLine
-    first: IndexLine
-    never: IndexLine
+    family: Annotated[IndexLine, Whole(OPEN, lambda sizes: sizes.bodies)]
+    first: Annotated[IndexLine, NOT_KEPT]
+    never: Annotated[IndexLine, NOT_KEPT]
 
 
 def pair_filter(family: ArrayLike, skipped: Iterable[tuple[int, int]] = ()) -> PairFilter:

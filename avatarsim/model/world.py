@@ -5,16 +5,16 @@ Layout of the arenas of a world and of a target: see `jit.arena`.
 Target posture of a frame: the tracker sample as arrays, checked as it is read.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite
-from typing import ClassVar, Final, NamedTuple
+from typing import Annotated, ClassVar, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import AvatarsimError, InvalidSample
 from avatarsim.jit.arena import pack, view_arena
+from avatarsim.jit.kept import NOT_KEPT
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Index, IndexLine
 from avatarsim.model.conversion import read_sample, write_sample, write_shown
@@ -39,12 +39,21 @@ class WorldParts(NamedTuple):
     posture: Posture
 
 
+class WorldState(NamedTuple):
+    """Arrays of a world that pass from frame to frame."""
+
+    poses: Poses
+    velocities: Velocities
+    posture: Posture
+    drive: DriveState
+
+
 class TargetParts(NamedTuple):
     """The tracker's posture of this frame; one to read a sample into; the degree of freedom of every hinge angle in a sample."""
 
     posture: Posture
-    incoming: Posture
-    hinges: IndexLine
+    incoming: Annotated[Posture, NOT_KEPT]
+    hinges: Annotated[IndexLine, NOT_KEPT]
 
 
 Array = NDArray[np.float64]
@@ -63,13 +72,6 @@ class World:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ()
     WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
-    KEPT: ClassVar[tuple[str, ...]] = ("poses", "velocities", "posture", "drive")
-    WORKING: ClassVar[tuple[str, ...]] = (
-        *(f"drive.{name}" for name in (
-            "linkage", "moves", "may_couple", "mass", "stiffness", "damping", "largest_force", "ramp",
-            "ramp_turn", "user", "user_turn", "fastest", "fastest_turn",
-        )),
-    )
 
     scene: Scene
     words: NDArray[np.int64]
@@ -92,13 +94,9 @@ class World:
         masses = self.dynamics
         return np.where(masses.role == Role.SIMULATED.value, -1, masses.material), masses.friction.copy()
 
-    def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Return ranges of flags, and frames of a pause, the longest being a second of frames of a microsecond."""
-        frames = (0, 1_000_000)
-        flags = {f"drive.{name}": (0, 1) for name in ("coupled", "linked", "loaded", "blocked", "blocked_turn")}
-        last = len(self.centres) - 1
-        flags |= {"drive.carrier": (-1, last), "drive.tied": (0, last)}
-        return flags | {"drive.paused": frames, "drive.spread": frames}
+    def kept(self) -> WorldState:
+        """Return what passes from frame to frame."""
+        return WorldState(self.poses, self.velocities, self.posture, self.drive)
 
 
 def posture_of(skel: Skeleton, hinges: NDArray[np.int64], sample: TrackerSample) -> Posture:
@@ -184,19 +182,18 @@ class Target:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ()
     WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
-    KEPT: ClassVar[tuple[str, ...]] = ("posture",)
-    WORKING: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, world: World) -> None:
         self.world = world
         first = posture_of(world.skeleton, world.hinges, world.scene.first_sample)
         incoming = Posture(*(array.copy() for array in first))
-        self.words, (self.posture, _, hinges) = pack(TargetParts(first, incoming, world.hinges))
-        self._shapes = self.posture.root.shape, (len(self.posture.root), 4), hinges.shape
+        self.words, self._parts = pack(TargetParts(first, incoming, world.hinges))
+        self.posture = self._parts.posture
+        self._shapes = self.posture.root.shape, (len(self.posture.root), 4), world.hinges.shape
 
-    def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Return nothing: a posture is real numbers."""
-        return {}
+    def kept(self) -> TargetParts:
+        """Return the posture that passes from frame to frame."""
+        return self._parts
 
     def read(self, sample: TrackerSample) -> None:
         """Check the sample and copy it."""

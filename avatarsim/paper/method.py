@@ -1,6 +1,5 @@
 """Lower loop of method `paper` (Schmidl and Lin 2004) as the frame sees it: postures, velocities of links, impulses received."""
 
-from collections.abc import Mapping
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -12,14 +11,13 @@ from avatarsim.engine import Snapshot
 from avatarsim.errors import InvalidScene
 from avatarsim.jit.arena import pack, view_arena
 from avatarsim.jit.kernel import entry_kernel
-from avatarsim.model.geometry import OPEN, Poses
+from avatarsim.model.geometry import Poses
 from avatarsim.model.world import Target, TargetParts, World, WorldParts
 from avatarsim.paper.algorithm_1 import follow_as_printed
-from avatarsim.paper.state import COUNT_NAMES, STATUS_NAMES, WORKING, PaperMemory, make_paper_memory
+from avatarsim.paper.state import COUNT_NAMES, STATUS_NAMES, PaperMemory, make_paper_memory
 from avatarsim.scene.joint import Slide
 from avatarsim.scene.scene import Scene
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
-from avatarsim.spatial.random import MODULUS
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -58,21 +56,19 @@ class PaperLoop:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ()
     WRITTEN: ClassVar[tuple[str, ...]] = ("_kept", "_before")
-    KEPT: ClassVar[tuple[str, ...]] = ("memory",)
-    WORKING: ClassVar[tuple[str, ...]] = WORKING
 
     def __init__(
         self, world: World, settings: PaperSettings, coupling: CouplingSettings, attraction: AttractionSettings, seed: int
     ) -> None:
         require_turning_joints(world.scene)
         self.world = world
-        self._kept, own = pack(PaperParts(settings, coupling, attraction, make_paper_memory(world, seed)))
-        self.memory = own.memory
+        self._kept, self._parts = pack(PaperParts(settings, coupling, attraction, make_paper_memory(world, seed)))
+        self.memory = self._parts.memory
         self._before = Poses(*(array.copy() for array in world.poses))
 
-    def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Return the order of the chains, the state of their generator, and families, which are only compared."""
-        return {"order": (0, len(self.memory.order) - 1), "random": (1, MODULUS - 1), "family": (OPEN, len(self.world.centres))}
+    def kept(self) -> PaperParts:
+        """Return what passes from frame to frame."""
+        return self._parts
 
     def go_on(self, begun: bool) -> None:
         """Continue after the memory was replaced, and with it the pair filter: the broad phase begins anew."""

@@ -11,7 +11,7 @@ Global penetration depth of two bodies of several convex pieces (Schmidl and Lin
 Priority in separation: shares of the displacement of two overlapping bodies; fixed bodies none, driven before simulated.
 """
 
-from typing import Final, NamedTuple
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from avatarsim.collision.grid import SweepMemory, make_sweep_memory
 from avatarsim.collision.scratch import PIECES_CAP, Scratch, make_scratch
 from avatarsim.collision.signed_distance import signed_distance_up_to
 from avatarsim.collision.status import CANCELLING, CONVERGED, NOT_FINITE, OUT_OF_ROOM
+from avatarsim.jit.kept import NOT_KEPT
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Cube, FlagLine, IndexGrid, IndexLine
 from avatarsim.model.dynamics import DRIVEN, FIXED
@@ -61,12 +62,12 @@ class Overlaps(NamedTuple):
     """
 
     ours: PairFilter
-    sweep: SweepMemory
-    pairs: IndexGrid
-    found: IndexGrid
+    sweep: Annotated[SweepMemory, NOT_KEPT]
+    pairs: Annotated[IndexGrid, NOT_KEPT]
+    found: Annotated[IndexGrid, NOT_KEPT]
     hit: FlagLine
     seed: Cube
-    tally: IndexLine
+    tally: Annotated[IndexLine, NOT_KEPT]
     scratch: Scratch
 
 

@@ -4,12 +4,13 @@ Kinematic chains of all avatars, from the trunk to the tips, and their seeded ra
 """
 
 from collections.abc import Sequence
-from typing import Final, NamedTuple
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collision.scratch import PIECES_CAP
+from avatarsim.jit.kept import NOT_KEPT, Whole
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import FlagLine, IndexLine, Line, Vectors
 from avatarsim.model.geometry import ELLIPSOID, Geometry
@@ -17,7 +18,7 @@ from avatarsim.model.skeleton import FREE, Posture, Skeleton
 from avatarsim.model.world import World
 from avatarsim.paper.push_apart import Overlaps, make_overlaps
 from avatarsim.scene.avatar import Avatar
-from avatarsim.spatial.random import draw, seeded
+from avatarsim.spatial.random import MODULUS, draw, seeded
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -153,12 +154,12 @@ class PaperMemory(NamedTuple):
     counts             by COUNT_NAMES, then STATUS_NAMES
     """
 
-    chains: Chains
+    chains: Annotated[Chains, NOT_KEPT]
     overlaps: Overlaps
-    order: IndexLine
-    random: IndexLine
-    role: IndexLine
-    mass: Line
+    order: Annotated[IndexLine, Whole(0, lambda sizes: sizes.rows - 1)]
+    random: Annotated[IndexLine, Whole(1, MODULUS - 1)]
+    role: Annotated[IndexLine, NOT_KEPT]
+    mass: Annotated[Line, NOT_KEPT]
     target: Posture
     checked: Posture
     present: Posture
@@ -168,17 +169,10 @@ class PaperMemory(NamedTuple):
     tracked: Vectors
     velocity: Vectors
     axes: Vectors
-    none: Line
-    points: Vectors
+    none: Annotated[Line, NOT_KEPT]
+    points: Annotated[Vectors, NOT_KEPT]
     chosen: FlagLine
-    counts: IndexLine
-
-WORKING: Final = (
-    "memory.chains", "memory.role", "memory.mass", "memory.counts", "memory.points", "memory.none", "memory.overlaps.ours.first",
-    "memory.overlaps.ours.never", "memory.overlaps.sweep", "memory.overlaps.pairs", "memory.overlaps.found",
-    "memory.overlaps.tally",
-)
-"""Fields that a snapshot leaves out: constants, and memory that each frame fills before it reads it."""
+    counts: Annotated[IndexLine, NOT_KEPT]
 
 
 def make_paper_memory(world: World, seed: int) -> PaperMemory:

@@ -7,13 +7,14 @@ The arrays of the planner, made once per scene.
 """
 
 from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import Annotated, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.ik.make import empty_posture, indices, make_state, make_working, zeros
 from avatarsim.ik.state import Avatars, IkScratch, IkState
+from avatarsim.jit.kept import AVATAR, COUNT, FLAG, Whole
 from avatarsim.jit.layout import Cube, IndexGrid, IndexLine, Line
 from avatarsim.jit.record import known_as_table
 from avatarsim.model.geometry import Geometry, Poses
@@ -79,26 +80,31 @@ SEARCH = np.dtype(
 """One row of Searches."""
 
 
+NODE: Final = Whole(0, NODES - 1)
+NODE_OR_NONE: Final = Whole(NONE, NODES - 1)
+NODE_COUNT: Final = Whole(0, NODES)
+
+
 class Searches(np.recarray[Any, np.dtype[Any]]):
     """One row per avatar."""
 
-    phase: Index
+    phase: Annotated[Index, Whole(min(Phase), max(Phase))]
     """A Phase."""
-    candidate: Index
+    candidate: Annotated[Index, NODE_COUNT]
     """Number of the next posture near the target's that is tested for being free."""
-    samples: Index
+    samples: Annotated[Index, NODE_COUNT]
     """Samples drawn in this search."""
-    tree: Index
+    tree: Annotated[Index, FLAG]
     """The tree that is extended: 0 from the shown posture, 1 from the goal."""
-    count: Index
+    count: Annotated[Index, NODE_COUNT]
     """Nodes in use."""
-    at: Index
+    at: Annotated[Index, NODE_OR_NONE]
     """Node that the extension has come to."""
-    begun: Index
+    begun: Annotated[Index, NODE_COUNT]
     """Nodes in use as the extension began."""
-    meeting: Index
+    meeting: Annotated[Index, NODE_OR_NONE]
     """Node of the other tree that a connection goes to."""
-    here: Index
+    here: Annotated[Index, NODE]
     """Node of tree 0 near which the avatar is shown now: while a path is searched it continues tracking."""
     value: Array
     """[m^2] objective towards the end of the extension after its last step."""
@@ -106,19 +112,19 @@ class Searches(np.recarray[Any, np.dtype[Any]]):
     """[strides] how long its next step may be."""
     edge: Array
     """[strides] how long the edge is that its steps are put into."""
-    length: Index
+    length: Annotated[Index, NODE_COUNT]
     """Nodes of the path."""
     lasts: Array
     """[s] that the path took before the last slice; 0 until that is known."""
-    place: Index
+    place: Annotated[Index, NODE]
     """Place in the path of the node that is the target now."""
     late: Array
     """[s] by which the avatar is late at the node that it goes to: since it set out, less the time of the catch-up speeds."""
-    cuts: Index
+    cuts: Annotated[Index, COUNT]
     """Shortcuts tried."""
-    cut_from: Index
+    cut_from: Annotated[Index, NODE]
     """Place in the path from which a shortcut is tried."""
-    cut_to: Index
+    cut_to: Annotated[Index, NODE]
     """Place in the path to which it is tried."""
     spared: Array
     """[s] that the path takes between these two."""
@@ -128,7 +134,7 @@ class Searches(np.recarray[Any, np.dtype[Any]]):
     """[s] that it rests after the next search in vain."""
     paid: Array
     """[m^2 s] cost of waiting: the objective, summed since it has stopped falling."""
-    random: Index
+    random: Annotated[Index, Whole(1, MODULUS - 1)]
     """State of the generator (Park and Miller 1988)."""
 
 
@@ -151,10 +157,10 @@ class Plan(NamedTuple):
 
     searches: Searches
     node: Cube
-    before: IndexGrid
-    tree: IndexGrid
-    path: IndexGrid
-    turn: IndexLine
+    before: Annotated[IndexGrid, NODE_OR_NONE]
+    tree: Annotated[IndexGrid, Whole(0, 2)]
+    path: Annotated[IndexGrid, NODE_OR_NONE]
+    turn: Annotated[IndexLine, AVATAR]
 
 
 class Ghost(NamedTuple):

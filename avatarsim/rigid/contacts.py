@@ -5,12 +5,13 @@ solver starts (contact caching: Catto 2005).
 """
 
 from math import sqrt
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collision.manifold import MANIFOLD_POINTS
+from avatarsim.jit.kept import BODY, COUNT, COUNT_OR_NONE, KEPT, NOT_KEPT
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
 from avatarsim.rigid.contact_law import point_velocity, relative_velocity
@@ -27,7 +28,7 @@ Array = NDArray[np.float64]
 class Masses(NamedTuple):
     """inverse_mass (nb) [1/kg] and inverse_inertia (nb, 3, 3) in world axes; zero for bodies that do not yield."""
 
-    inverse_mass: Line
+    inverse_mass: Annotated[Line, NOT_KEPT]
     inverse_inertia: Matrices
 
 
@@ -145,7 +146,7 @@ class Contacts(NamedTuple):
     drift: Grid
     impulse: Vectors
     standing: IndexLine
-    visits: IndexLine
+    visits: Annotated[IndexLine, KEPT, COUNT]
     edge_a: Vectors
     edge_b: Vectors
     sway_a: Vectors
@@ -408,12 +409,12 @@ class LastForces(NamedTuple):
     """key, body, turn (slots): name of the point, a body that it belongs to, and the segment of that; force (slots, 3) [N];
     latest (nb): last segment of each body; turns (1): segments so far."""
 
-    key: IndexLine
-    body: IndexLine
-    turn: IndexLine
+    key: Annotated[IndexLine, COUNT_OR_NONE]
+    body: Annotated[IndexLine, BODY]
+    turn: Annotated[IndexLine, COUNT_OR_NONE]
     force: Vectors
-    latest: IndexLine
-    turns: IndexLine
+    latest: Annotated[IndexLine, COUNT_OR_NONE]
+    turns: Annotated[IndexLine, COUNT_OR_NONE]
 
 
 def make_last_forces(bodies: int, points: int) -> LastForces:

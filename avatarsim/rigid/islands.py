@@ -6,11 +6,12 @@ along its path to that time (timewarp: Mirtich 2000).
 """
 
 from math import inf
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.jit.kept import COUNT, COUNT_OR_NONE, FLAG, NOT_KEPT
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import IndexGrid, IndexLine, Line, Vectors
 
@@ -31,16 +32,16 @@ class Islands(NamedTuple):
     at_once (nb) flag: a substep did, and the velocity at the end is another than that of the path.
     """
 
-    found: IndexLine
-    order: IndexLine
-    first: IndexLine
-    pairs: IndexGrid
-    pair_first: IndexLine
-    label: IndexLine
-    mark: IndexLine
-    charged: IndexLine
-    spent: IndexLine
-    earliest: IndexLine
+    found: Annotated[IndexLine, NOT_KEPT]
+    order: Annotated[IndexLine, NOT_KEPT]
+    first: Annotated[IndexLine, NOT_KEPT]
+    pairs: Annotated[IndexGrid, NOT_KEPT]
+    pair_first: Annotated[IndexLine, NOT_KEPT]
+    label: Annotated[IndexLine, NOT_KEPT]
+    mark: Annotated[IndexLine, NOT_KEPT]
+    charged: Annotated[IndexLine, COUNT_OR_NONE]
+    spent: Annotated[IndexLine, COUNT]
+    earliest: Annotated[IndexLine, COUNT_OR_NONE]
     begun: Line
     due: Line
     linear: Vectors
@@ -50,7 +51,7 @@ class Islands(NamedTuple):
     owed_angular: Vectors
     linear_before: Vectors
     angular_before: Vectors
-    at_once: IndexLine
+    at_once: Annotated[IndexLine, FLAG]
 
 
 def make_islands(bodies: int, room: int) -> Islands:

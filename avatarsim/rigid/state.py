@@ -5,7 +5,7 @@ Recorded events of a frame: the state of all bodies right before and right after
 Events and steps of a frame, from the buffers of the two loops to snapshots that a recording keeps.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from avatarsim.collision.manifold import Manifold, make_manifold
 from avatarsim.collision.path import Paths, Series, make_paths, make_series
 from avatarsim.collision.scratch import Scratch, make_scratch
 from avatarsim.engine import Snapshot
+from avatarsim.jit.kept import FLAG, NOT_KEPT
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Cube, Grid, IndexGrid, IndexLine, Line, Matrices, Stack, Vectors
 from avatarsim.model.conversion import write_shown
@@ -82,13 +83,14 @@ def record(
 
 def snapshots(world: World, events: Events, begun: float) -> tuple[Snapshot, ...]:
     """Return one snapshot per recorded event; `begun` [s] is when the frame began."""
-    kept = []
+    kept, names = [], world.scene.names
     for k in range(min(int(events.kept[0]), len(events.time))):
         positions, orientations = np.empty_like(events.position[k]), np.empty((len(world.centres), 4))
         write_shown(events.position[k], events.rotation[k], world.centres, 0, positions, orientations)
         name = "approach" if events.kind[k] == APPROACH else "impact"
         linear, angular = events.linear[k].copy(), events.angular[k].copy()
-        kept.append(Snapshot(begun + float(events.time[k]), positions, orientations, linear, angular, name))
+        bodies = tuple(names[b] for b in sorted(events.pair[k].tolist()))
+        kept.append(Snapshot(begun + float(events.time[k]), positions, orientations, linear, angular, name, bodies))
     return tuple(kept)
 
 
@@ -162,7 +164,7 @@ class Switches(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """State of the upper loop from frame to frame, and its working memory (`WORKING`). nb bodies; flags are 0 or 1.
+    """State of the upper loop from frame to frame, and working memory. nb bodies; flags are 0 or 1.
 
     received           (nb, 3) [N s] impulses that each driven body got in this frame, for eq. 6
     moving, asleep     (nb) flags: moves in this frame; left alone until something comes near
@@ -205,67 +207,53 @@ class Memory(NamedTuple):
     """
 
     received: Vectors
-    moving: IndexLine
-    asleep: IndexLine
-    ball: IndexLine
-    round: IndexLine
-    held: IndexLine
+    moving: Annotated[IndexLine, FLAG]
+    asleep: Annotated[IndexLine, FLAG]
+    ball: Annotated[IndexLine, NOT_KEPT]
+    round: Annotated[IndexLine, NOT_KEPT]
+    held: Annotated[IndexLine, FLAG]
     strike: Masses
     hold: Masses
     inertia: Matrices
-    reach: Line
-    span: Line
+    reach: Annotated[Line, NOT_KEPT]
+    span: Annotated[Line, NOT_KEPT]
     trial: Poses
     paths: Paths
-    series: Series
-    contacts: Contacts
-    manifold: Manifold
-    scratch: Scratch
+    series: Annotated[Series, NOT_KEPT]
+    contacts: Annotated[Contacts, NOT_KEPT]
+    manifold: Annotated[Manifold, NOT_KEPT]
+    scratch: Annotated[Scratch, NOT_KEPT]
     linear_end: Vectors
     angular_end: Vectors
-    before: Vectors
-    direction: Vectors
-    boxes: Grid
-    wanted: PairFilter
-    sweep: SweepMemory
-    pairs: IndexGrid
-    a_rows: Grid
-    b_rows: Grid
+    before: Annotated[Vectors, NOT_KEPT]
+    direction: Annotated[Vectors, NOT_KEPT]
+    boxes: Annotated[Grid, NOT_KEPT]
+    wanted: Annotated[PairFilter, NOT_KEPT]
+    sweep: Annotated[SweepMemory, NOT_KEPT]
+    pairs: Annotated[IndexGrid, NOT_KEPT]
+    a_rows: Annotated[Grid, NOT_KEPT]
+    b_rows: Annotated[Grid, NOT_KEPT]
     last: LastForces
-    counts: IndexLine
+    counts: Annotated[IndexLine, NOT_KEPT]
     owed_linear: Vectors
     owed_angular: Vectors
-    owing: IndexLine
+    owing: Annotated[IndexLine, FLAG]
     began: Poses
     islands: Islands
-    joins: IndexLine
+    joins: Annotated[IndexLine, FLAG]
     corrected: Line
-    all_bodies: IndexLine
-    edges: Grid
+    all_bodies: Annotated[IndexLine, NOT_KEPT]
+    edges: Annotated[Grid, NOT_KEPT]
     tail_end: Line
     tail_speed: Vectors
-    newest: IndexLine
-    older: IndexGrid
-    margin: Line
-    touch: Line
+    newest: Annotated[IndexLine, NOT_KEPT]
+    older: Annotated[IndexGrid, NOT_KEPT]
+    margin: Annotated[Line, NOT_KEPT]
+    touch: Annotated[Line, NOT_KEPT]
     shown_linear: Vectors
     shown_angular: Vectors
-    substeps: Substeps
-    horizon: Line
-
-WORKING = (
-    *(f"memory.contacts.{name}" for name in Contacts._fields if name != "visits"),
-    "memory.ball", "memory.round", "memory.paths.round", "memory.paths.inertia", "memory.paths.inverse_inertia",
-    "memory.strike.inverse_mass", "memory.hold.inverse_mass", "memory.reach", "memory.span", "memory.wanted", "memory.all_bodies",
-    "memory.margin", "memory.touch", "memory.horizon",
-    "memory.sweep", "memory.pairs", "memory.manifold", "memory.series", "memory.newest", "memory.older",
-    "memory.a_rows", "memory.b_rows", "memory.edges", "memory.before", "memory.direction", "memory.boxes",
-    "memory.counts", "memory.islands.found", "memory.islands.order", "memory.islands.first", "memory.islands.pairs",
-    "memory.islands.pair_first", "memory.islands.label", "memory.islands.mark",
-    *(f"memory.substeps.{name}" for name in Substeps._fields if name not in ("crowd", "calm")),
-)
-"""Fields that a snapshot leaves out: contact points, which each segment finds anew (but for the work not yet counted), constants,
-and working memory that each frame fills before it reads it. The pairs of a broad phase do not depend on its memory."""
+    substeps: Annotated[Substeps, NOT_KEPT]
+    horizon: Annotated[Line, NOT_KEPT]
 
 
 def most_links(drive: DriveState) -> int:

@@ -6,15 +6,15 @@ impact; island by island, the one whose clock is farthest behind first.
 Upper loop (Schmidl and Lin 2004, Figure 3) as the frame sees it: simulated bodies move, driven ones receive impulses.
 """
 
-from collections.abc import Mapping
-from typing import ClassVar, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 
-from avatarsim.collision.path import HELD, STILL
+from avatarsim.collision.path import STILL
 from avatarsim.counters import Tally
 from avatarsim.engine import Snapshot
 from avatarsim.jit.arena import pack, view_arena
+from avatarsim.jit.kept import NOT_KEPT
 from avatarsim.jit.kernel import entry_kernel, kernel
 from avatarsim.jit.layout import Index
 from avatarsim.model.dynamics import Dynamics, Velocities
@@ -33,7 +33,6 @@ from avatarsim.rigid.state import (
     OUT_OF_ROOM,
     OUT_OF_SEGMENTS,
     STATUS_NAMES,
-    WORKING,
     Events,
     Memory,
     Switches,
@@ -103,15 +102,12 @@ def advance(
 EVENTS_KEPT = 256
 """Most events of one frame that a recording keeps (two per impact); more are counted."""
 
-MOST = 2**60
-"""Largest number of a frame, a segment or a contact in a snapshot: counting on from there takes longer than the Earth is old."""
-
 
 class UpperParts(NamedTuple):
     """Contents of the arena of the upper loop."""
 
     memory: Memory
-    events: Events
+    events: Annotated[Events, NOT_KEPT]
     switches: Switches
 
 
@@ -127,8 +123,6 @@ class SimulatedLoop:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ("status",)
     WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
-    KEPT: ClassVar[tuple[str, ...]] = ("memory",)
-    WORKING: ClassVar[tuple[str, ...]] = WORKING
 
     def __init__(self, world: World, *, paper: bool, record: bool, stand_off: float = 0.0) -> None:
         self.world, self.record, self.status = world, record, DONE
@@ -136,17 +130,13 @@ class SimulatedLoop:
         switches = Switches(on.gyroscopic, on.continuous, on.sleeping, paper, record)
         memory = make_memory(world.geometry, world.dynamics, world.poses, on.gyroscopic, stand_off)
         events = make_events(len(world.scene.names), EVENTS_KEPT if record else 0)
-        self.words, (self.memory, self.events, _) = pack(UpperParts(memory, events, switches))
+        self.words, self._parts = pack(UpperParts(memory, events, switches))
+        self.memory, self.events = self._parts.memory, self._parts.events
         self._moving = np.flatnonzero(world.drive.moves)
 
-    def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Return ranges of flags, bodies, segments of the table of forces, and numbers of frames that are counted on."""
-        bodies, flag, number = len(self.memory.moving), (0, 1), (-1, MOST)
-        return {
-            "moving": flag, "asleep": flag, "held": flag, "owing": flag, "joins": flag, "at_once": flag, "kind": (STILL, HELD),
-            "last.body": (0, bodies - 1), "key": number, "turn": number, "latest": number, "turns": number, "visits": (0, MOST),
-            "earliest": number, "charged": number, "spent": (0, MOST), "crowd": flag, "calm": number,
-        }
+    def kept(self) -> UpperParts:
+        """Return what passes from frame to frame."""
+        return self._parts
 
     def go_on(self) -> None:
         """Continue after the memory was replaced; the broad phase finds by itself that its fat boxes no longer hold."""

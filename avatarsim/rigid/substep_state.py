@@ -1,9 +1,10 @@
 """State and scratch of certified substeps: per body, per near pair of pieces, per contact row."""
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from avatarsim.jit.kept import COUNT_OR_NONE, FLAG, KEPT
 from avatarsim.jit.layout import IndexGrid, IndexLine, Line, Vectors
 from avatarsim.model.geometry import Poses
 
@@ -48,8 +49,8 @@ class Substeps(NamedTuple):
     """
 
     members: IndexLine
-    crowd: IndexLine
-    calm: IndexLine
+    crowd: Annotated[IndexLine, KEPT, FLAG]
+    calm: Annotated[IndexLine, KEPT, COUNT_OR_NONE]
     share: Line
     group: IndexLine
     mean: Vectors
