@@ -32,7 +32,7 @@ def lifted(angle: float, friction: float) -> float:
     return RESTITUTION * normal + friction * left
 
 
-def test_the_convex_cone_lifts_what_slides_on_and_friction_found_afterwards_does_not() -> None:
+def test_a_convex_cone_lifts_what_slides_on() -> None:
     convex, apart = left_with("oblique_bounce", CONVEX), left_with("oblique_bounce", {})
     for angle, friction in SLIDES:
         ball, right = f"ball_{angle:g}_{friction:g}", after(angle, friction)
@@ -42,7 +42,7 @@ def test_the_convex_cone_lifts_what_slides_on_and_friction_found_afterwards_does
 
 
 @pytest.mark.parametrize("kappa", [0.0, 0.1])
-def test_what_does_not_bounce_is_pushed_apart_by_its_position_correction(kappa: float) -> None:
+def test_position_correction_parts_what_does_not_bounce(kappa: float) -> None:
     """Two spheres of equal mass at 2 m/s: afterwards together at 1 m/s, or separating by up to kappa times 2 m/s."""
     shown = left_with("two_spheres", {"kappa_resting": kappa, "dt": 1.0 / 960.0})
     apart = shown["waits_1_0"][0] - shown["comes_1_0"][0]

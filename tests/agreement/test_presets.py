@@ -56,7 +56,7 @@ def test_tuned_arm_at_the_wall_overlaps_less_in_mujoco() -> None:
 
 
 @needs_pybullet
-def test_tuned_arm_in_pybullet_is_closer_to_the_tracker_while_the_way_is_free() -> None:
+def test_a_tuned_arm_in_pybullet_is_closer_on_a_free_way() -> None:
     """The default does not overlap the wall more (0 against 0.05 mm), as contacts act before bodies meet and motors of any
     force push. So tuned is not better in overlap here; its offset before the wall is reached is twenty times smaller."""
     free = [bent(frame) for frame in range(1, 31)]
@@ -97,7 +97,7 @@ def test_unknown_words_are_refused(engine: Engine, preset: str) -> None:
 
 
 @pytest.mark.parametrize("preset", ["default", "tuned", "sleeping", "servos"])
-def test_departures_from_mujoco_s_defaults_are_among_the_settings_as_run(preset: str) -> None:
+def test_settings_as_run_hold_departures_from_defaults(preset: str) -> None:
     engine = loaded(MujocoEngine(), hand_over_table(), Settings(preset))
     run = engine.settings_as_run()
     assert run["version"] == (mujoco.__version__, PINNED)
@@ -147,7 +147,7 @@ def test_presets_name_the_same_settings_and_give_reasons(presets: object, kind: 
 
 
 @pytest.mark.parametrize(("presets", "scenes"), [(mujoco_presets, MUJOCO_SCENES), (pybullet_presets, PYBULLET_SCENES)])
-def test_what_is_best_in_one_scene_only_is_a_known_setting_of_a_known_scene(
+def test_best_settings_of_one_scene_are_known_settings(
     presets: object, scenes: Mapping[str, Mapping[str, Chosen]]
 ) -> None:
     for name, own in scenes.items():

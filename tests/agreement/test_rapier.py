@@ -55,7 +55,7 @@ def arm(joint: Ball | Hinges) -> Avatar:
 
 @pytest.mark.parametrize("diagonal", [False, True])
 @pytest.mark.parametrize(("swing", "most"), [("ropes", 1.0), ("axes", 16.0)])
-def test_a_cone_holds_in_any_direction_by_ropes_and_has_corners_by_axes(diagonal: bool, swing: str, most: float) -> None:
+def test_a_cone_of_ropes_is_round_and_one_of_axes_cornered(diagonal: bool, swing: str, most: float) -> None:
     """A limb in a cone of 40 degrees has a target of 80, with targets not clamped to the limits."""
     limits = SwingTwist((1.0, 0.0, 0.0), (1.0, 0.0, 0.0), np.radians(40.0), (-0.3, 0.3))
     scene = Scene("cone", avatars=(arm(Ball(limits)),), gravity=(0.0, 0.0, 0.0))

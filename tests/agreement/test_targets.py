@@ -35,7 +35,7 @@ def test_interpolated_postures_have_the_plain_kinematics(seed: int, fraction: fl
 
 
 @given(st.integers(0, 10**6))
-def test_clamped_samples_are_within_limits_and_free_ones_unchanged(seed: int) -> None:
+def test_clamps_samples_to_limits_and_leaves_free_ones(seed: int) -> None:
     """Swing and twist as in the joint's definition, measured here from the matrices."""
     draw = np.random.default_rng(seed)
     avatar = SCENE.avatars[0]

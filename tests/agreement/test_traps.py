@@ -40,7 +40,7 @@ DRIVEN = """
 
 
 @needs_pybullet
-def test_1_breaking_threshold_left_behind_by_others_does_not_matter() -> None:
+def test_1_breaking_threshold_left_by_others_is_overruled() -> None:
     """The setting is global to the process and survives resetSimulation and disconnect."""
     def last_state() -> str:
         return played(PybulletEngine(), ball_on_slab(), idle(ball_on_slab(), 40), Settings("default"))[-1].state_hash()
@@ -139,7 +139,7 @@ def test_a_floor_of_many_pieces_is_whole(preset: str) -> None:
 
 
 @needs_pybullet
-def test_a_moving_body_of_more_pieces_than_pybullet_takes_is_refused() -> None:
+def test_refuses_more_pieces_than_pybullet_takes() -> None:
     pieces = tuple(Piece(Box((0.1, 0.1, 0.1)), (0.1 * k, 0.0, 0.0)) for k in range(17))
     scene = Scene("train", (simulated("train", pieces, "wood", solid(pieces, 1.0), (0.0, 0.0, 1.0)),))
     with pytest.raises(InvalidScene, match="17"):
@@ -210,7 +210,7 @@ def held(integrator: str) -> float:
     return abs(float(data.qpos[0]) - 0.17)
 
 
-def test_9_a_servo_with_damping_leaks_through_walls_unless_the_step_is_discrete() -> None:
+def test_9_a_damped_servo_leaks_unless_the_step_is_discrete() -> None:
     """The trap exists: under IMPLICITFAST the hand stays in the wall or is thrown out of the world."""
     assert held("implicitfast") > 1e-3
     assert held("discrete") < 1e-4
@@ -227,7 +227,7 @@ def test_9_no_scene_is_driven_by_an_actuator(scene: Scene, preset: str) -> None:
     engine.close()
 
 
-def test_mujoco_eliminates_bodies_before_the_lift_that_they_are_on() -> None:
+def test_mujoco_eliminates_bodies_before_their_lift() -> None:
     """The solver eliminates the last velocity first; a lift listed before its load couples all of it, at 100 times the cost."""
     scenario = catalog.get("lift")
     engine = loaded(MujocoEngine(), scenario.build(), Settings("tuned"), scenario.dt)

@@ -51,7 +51,7 @@ def test_flat_differences_have_depth_zero_across_them(seed):
         assert np.dot(m, seed) <= 1e-15
 
 
-def test_concentric_balls_made_as_ellipsoids_are_beyond_epa_alone_which_says_so():
+def test_concentric_round_ellipsoids_run_out_of_iterations():
     status, m, depth, _, _ = run(ellipsoid(0.5, 0.5, 0.5), ellipsoid(0.3, 0.3, 0.3))
     assert status == OUT_OF_ITERATIONS
     assert depth == pytest.approx(0.8, abs=1e-12)

@@ -159,7 +159,7 @@ def test_a_rigid_motion_and_a_scale_change_nothing_but_the_frame(stratum, number
 
 
 @given(st.sampled_from(PLACED), st.integers(0, 3), st.integers(0, BATCH - 1), st.integers(0, 2**32 - 1))
-def test_moving_one_shape_changes_the_gap_by_no_more_than_it_was_moved(stratum, number, k, seed):
+def test_a_moved_shape_changes_the_gap_by_at_most_its_way(stratum, number, k, seed):
     vertices, shapes, a, b = one_pair(stratum, number, k)
     rng = np.random.default_rng(seed)
     size = max(shapes.extent[a], shapes.extent[b])

@@ -275,7 +275,7 @@ def search(world: World, h: float) -> tuple[int, float]:
 
 
 @pytest.mark.parametrize("shape", [Sphere(0.1), Box((0.2, 0.2, 0.2))])
-def test_who_stopped_on_a_path_that_goes_on_is_met_by_who_still_falls(shape: Sphere | Box) -> None:
+def test_a_body_that_stopped_is_met_by_one_that_falls(shape: Sphere | Box) -> None:
     """Two bodies that fall together keep their distance; once the lower one has stopped, its acceleration is no body's."""
     gap = 0.01
     bodies = [thing("lower", shape, (0.0, 0.0, 0.5)), thing("upper", shape, (0.0, 0.0, 0.7 + gap))]
@@ -293,7 +293,7 @@ def test_who_stopped_on_a_path_that_goes_on_is_met_by_who_still_falls(shape: Sph
 
 @pytest.mark.nojit
 @pytest.mark.parametrize("gap", [1e-18, 1e-16, 1e-12, 1e-6])
-def test_a_body_thrown_up_from_the_ground_comes_back_when_it_does(gap: float) -> None:
+def test_a_body_thrown_up_comes_back_in_time(gap: float) -> None:
     """From 0.05 m/s the way back takes 2 v / g; a gap of rounding size made it 7 microseconds late."""
     v, g = 0.04893894, 9.81
     expected = (v + (v * v + 2.0 * g * gap) ** 0.5) / g

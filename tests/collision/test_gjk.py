@@ -39,7 +39,7 @@ def run(a, b, seed=NO_SEED, margin=inf):
     return status, np.array(n), distance, count
 
 
-def test_distance_of_hulls_equals_least_squares_over_all_convex_combinations():
+def test_distance_of_hulls_equals_least_squares():
     rng = np.random.default_rng(5)
     apart = 0
     for _ in range(20):
@@ -116,7 +116,7 @@ def test_tetrahedron(a, b, c, d):
         assert min(share) > 0.0
 
 
-def test_the_direction_stays_right_far_below_the_rounding_of_the_corners():
+def test_the_direction_is_right_far_below_rounding():
     height = 1e-14
     p, _ = closest_on_triangle((1.0, 0.3, height), (-0.7, 0.9, height), (-0.1, -1.0, height))
     assert p == pytest.approx((0.0, 0.0, height), rel=1e-6)

@@ -298,7 +298,7 @@ def signed_area(corners: np.ndarray) -> float:
     return float(0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
 
 
-def test_wrap_finds_the_corners_that_qhull_finds_counter_clockwise() -> None:
+def test_wrap_finds_corners_of_qhull_counter_clockwise() -> None:
     rng = np.random.default_rng(1)
     for _ in range(50):
         points = rng.normal(size=(12, 2))

@@ -97,7 +97,7 @@ def test_a_point_and_a_box_outside_and_inside(scale):
         assert check_against_generic(b, a)
 
 
-def test_a_sheared_box_is_answered_inside_only_and_everywhere_rightly():
+def test_answers_a_sheared_box_inside_only_and_rightly():
     b = Solid(box(0.5, 0.4, 0.3).rows @ np.array([[1.0, 0.0, 0.0], [0.3, 1.0, 0.1], [0.0, 0.0, 1.0]]))
     rng = np.random.default_rng(42)
     for mirrored in (b, Solid(b.rows * (1.0, -1.0, 1.0))):

@@ -41,7 +41,7 @@ def test_ball_and_ball(x, y, r, s):
     np.testing.assert_allclose(on_a, np.array([x, y, 0.3]) - r * n, atol=1e-12)
 
 
-def test_ball_and_box_outside_at_a_face_an_edge_a_corner_and_inside():
+def test_ball_and_box_at_faces_edges_corners_and_inside():
     b, r = box(1.0, 2.0, 3.0), 0.25
     for centre, core, n in (
         ((1.5, 0.1, 0.2), 0.5, (1, 0, 0)),
@@ -88,7 +88,7 @@ def test_ellipsoid_and_floor(height):
 
 
 @pytest.mark.parametrize("seed", [NO_SEED, (1.0, 2.0, -2.0)])
-def test_coincident_centres_give_the_same_finite_unit_normal_every_time(seed):
+def test_coincident_centres_give_the_same_finite_unit_normal(seed):
     for a in (ball(0.4), capsule(0.4, 1.0), ellipsoid(0.4, 0.4, 0.4), box(0.4, 0.4, 0.4)):
         first = ask(a, a, seed)
         assert np.linalg.norm(first[2]) == pytest.approx(1.0, abs=1e-12)
@@ -106,7 +106,7 @@ def test_a_nan_pose_is_a_status_and_never_apart():
     assert signed_distance_up_to(vertices, shapes, 0, 1, NO_SEED, 0.0, SCRATCH)[0] == NOT_FINITE
 
 
-def test_the_same_question_gives_the_same_bits_whatever_was_asked_before():
+def test_answers_do_not_depend_on_earlier_questions():
     rng = np.random.default_rng(26)
     a, b = random_hull(rng), random_hull(rng).moved(shift=(0.2, 0.1, 0.3))
     vertices, shapes = as_arrays(a, b)

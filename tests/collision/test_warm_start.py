@@ -98,7 +98,7 @@ def test_garbage_in_the_memory_costs_time_only():
                 check_equals_cold(a, b, memory)
 
 
-def test_the_memory_of_another_pair_or_of_a_damaged_surface_costs_time_only():
+def test_a_foreign_or_damaged_memory_costs_time_only():
     rng = np.random.default_rng(34)
     for _ in range(40):
         a, b = some_pair("hulls", rng)
@@ -145,7 +145,7 @@ def test_a_margin_stops_early_with_a_proof():
 
 
 @pytest.mark.parametrize("bad", [nan, inf])
-def test_a_pose_that_is_not_finite_is_a_status_and_the_memory_recovers(bad):
+def test_a_memory_recovers_from_a_pose_that_is_not_finite(bad):
     a, b = some_pair("hulls", np.random.default_rng(35))
     for shift in ((0.1, 0.0, 0.0), (2.0, 0.0, 0.0)):
         memory = make_pair_memory(1)

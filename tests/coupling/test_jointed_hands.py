@@ -256,7 +256,7 @@ def test_ball_joints_linearise_their_limits() -> None:
     assert seen > 100
 
 
-def test_a_ball_at_its_limit_may_turn_where_its_linearised_limits_allow() -> None:
+def test_a_ball_at_its_limit_turns_where_linearised_it_may() -> None:
     """At an edge of cone, polygon or twist, where clipping leaves a ball: a small turn within the linearised limits stays inside,
     but for corners where three limits meet, of which two are linearised."""
     world = build(Scene("ball", (), (humanoid(),)))

@@ -128,7 +128,7 @@ class Found(NamedTuple):
     other: Scratch
 
 
-def test_records_and_tables_are_opened_as_they_were_packed_by_kernels_too() -> None:
+def test_opens_records_and_tables_as_packed_in_kernels_too() -> None:
     scratch, memory = make_scratch(), make_pair_memory(3)
     scratch.w[5], memory.axis[2], memory.twin[1, 4] = (1.0, 2.0, 3.0), (4.0, 5.0, 6.0), (7, 8, 9)
     words, (one, table, other) = pack(Found(scratch, memory, scratch))
@@ -204,7 +204,7 @@ def digits(words: np.ndarray) -> tuple[float, float]:
     return found, total + m.two.grid.shape[0] + m.turns.shape[0] + m.turns.strides[0] + m.flags.size
 
 
-def test_a_kernel_reads_every_kind_of_part_where_it_lies_also_when_the_words_were_moved() -> None:
+def test_a_kernel_reads_parts_where_they_lie_also_once_moved() -> None:
     scratch = make_scratch()
     scratch.w[3, 1] = 0.25
     grid, turns = np.arange(8.0).reshape(2, 4), np.arange(27.0).reshape(3, 3, 3)

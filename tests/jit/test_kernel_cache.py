@@ -81,7 +81,7 @@ def test_an_edited_callee_in_another_file_is_never_stale(package: Path, tmp_path
     assert run(package, **cache) == (51.0, 1)
 
 
-def test_an_edited_callee_of_a_package_beside_the_engine_is_never_stale(package: Path, tmp_path: Path) -> None:
+def test_an_edited_callee_of_another_package_is_not_stale(package: Path, tmp_path: Path) -> None:
     cache = {"XDG_CACHE_HOME": str(tmp_path / "cache")}
     harness = package.parent / "harness"
     harness.mkdir()
@@ -119,7 +119,7 @@ def test_nowhere_to_write_but_the_temporary_folder(package: Path, tmp_path: Path
     assert run(package, **places) == (21.0, 1)
 
 
-def test_nowhere_to_write_at_all_compiles_each_time_says_so_once_and_leaves_the_install_alone(
+def test_without_a_folder_to_write_it_compiles_and_says_so_once(
     package: Path, tmp_path: Path
 ) -> None:
     blocked = tmp_path / "a_file"
@@ -176,7 +176,7 @@ write_entry(path, {content})
 """
 
 
-def test_whole_entries_that_cannot_be_loaded_are_said_once_and_compiled_anew(
+def test_entries_that_cannot_be_loaded_are_compiled_anew(
     package: Path, cache: dict[str, str], tmp_path: Path
 ) -> None:
     [path] = (tmp_path / "cache").rglob("answer-*.kernel")
@@ -207,7 +207,7 @@ def test_too_many_open_files_stop_nothing(package: Path, cache: dict[str, str]) 
     assert run(package, **cache) == (21.0, 1)
 
 
-def test_a_cache_that_moved_and_may_only_be_read_serves_an_install_that_moved(package: Path, tmp_path: Path) -> None:
+def test_a_moved_read_only_cache_serves_a_moved_install(package: Path, tmp_path: Path) -> None:
     assert run(package, AVATARSIM_CACHE_DIR=str(tmp_path / "made")) == (21.0, 0)
     shutil.move(tmp_path / "made", tmp_path / "carried")
     elsewhere = tmp_path / "another" / "place" / "avatarsim"
@@ -222,7 +222,7 @@ def test_kernels_inside_the_installed_package_are_used(package: Path, tmp_path: 
     assert told(package, HOME=str(tmp_path / "home")) == (21.0, 1, "")
 
 
-def test_kernels_of_the_baseline_run_where_the_processor_has_it_and_nowhere_else(package: Path, tmp_path: Path) -> None:
+def test_baseline_kernels_run_where_the_processor_has_it_only(package: Path, tmp_path: Path) -> None:
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     assert run(package, NUMBA_CPU_NAME=NAME, NUMBA_CPU_FEATURES=LISTED, **cache) == (21.0, 0)
     assert run(package, NUMBA_CPU_NAME="generic", **cache) == (21.0, 0)
@@ -243,7 +243,7 @@ def test_a_file_that_others_may_write_to_is_never_unpickled(package: Path, cache
     assert run(package, **cache) == (21.0, 1)
 
 
-def test_the_first_compile_is_announced_in_one_line_and_a_cached_start_is_silent(package: Path, tmp_path: Path) -> None:
+def test_announces_a_first_compile_and_no_cached_start(package: Path, tmp_path: Path) -> None:
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     said = told(package, **cache)[2]
     assert said.count("\n") == 1 and re.findall(r"\d+", said) == ["2", "1"], "two kernels, a second"
@@ -299,7 +299,7 @@ def same(x: float) -> float:
     return x
 
 
-def test_other_cache_folders_of_the_environment_come_after_our_own(package: Path, tmp_path: Path) -> None:
+def test_other_cache_folders_come_after_our_own(package: Path, tmp_path: Path) -> None:
     first = {"AVATARSIM_CACHE_DIR": str(tmp_path / "ours"), "NUMBA_CACHE_DIR": str(tmp_path / "numba")}
     assert run(package, **first) == (21.0, 0)
     assert list((tmp_path / "ours").rglob("*.kernel")) and not (tmp_path / "numba").exists()

@@ -92,14 +92,14 @@ def plainly(x):
     return 3 * y + 6.0
 
 
-def test_a_large_kernel_is_called_by_name_and_compiled_for_no_constant_in_particular(package, tmp_path):
+def test_a_large_kernel_is_called_by_name_for_any_constant(package, tmp_path):
     said = ask(package, ["top"], tmp_path / "cache")
     assert said["values"][0] == pytest.approx(plainly(0.25), rel=1e-13)
     assert said["specialisations"] == 1
     assert said["by name"][0][0].startswith(linking.PREFIX + "avatarsim.large.large:")
 
 
-def test_what_python_calls_and_what_kernels_call_live_together_on_disk(package, tmp_path):
+def test_entries_and_called_kernels_live_together_on_disk(package, tmp_path):
     cache = tmp_path / "cache"
     first = ask(package, ["top", "small"], cache)
     for names in (["small", "top"], ["top", "small"], ["small"], ["top"]):
@@ -108,7 +108,7 @@ def test_what_python_calls_and_what_kernels_call_live_together_on_disk(package, 
         assert again["compiled"] == 0
 
 
-def test_a_small_kernel_is_kept_without_machine_code_and_inlined_from_disk(package, tmp_path):
+def test_a_small_kernel_is_kept_as_ir_and_inlined_from_disk(package, tmp_path):
     cache = tmp_path / "cache"
     first = ask(package, ["top"], cache)
     assert first["inlined"] == [True] and ask(package, ["top"], cache)["inlined"] == []
@@ -145,7 +145,7 @@ def test_processes_that_start_at_once_compile_each_kernel_once(package, tmp_path
     assert len({tuple(one["values"]) for one in said}) == 1
 
 
-def test_a_folder_that_is_gone_while_a_process_runs_costs_no_more_than_compiling(package, tmp_path):
+def test_a_folder_gone_in_mid_run_costs_compiling_only(package, tmp_path):
     cache = tmp_path / "cache"
     gone = f"import shutil; from avatarsim.caller import small, top; small(0.5); shutil.rmtree({str(cache)!r})\n"
     kept = plain_environment(package, NUMBA_CACHE_DIR=str(cache))

@@ -224,7 +224,7 @@ def test_a_cut_or_a_sliver_under_the_flat_face_changes_nothing(cuts, x):
 @pytest.mark.parametrize(("cuts", "least", "drift", "passes", "drift_in_all"), [
     *((cuts, 0.66, 0.12, 6, 0.12) for cuts in EVEN), *((cuts, 0.64, 0.16, 16, 0.3) for cuts in SLIVERS),
 ])
-def test_no_cut_goes_too_far_and_few_passes_end_where_the_uncut_wall_does(name, x, cuts, least, drift, passes, drift_in_all):
+def test_no_cut_goes_too_far_and_few_passes_reach_the_end(name, x, cuts, least, drift, passes, drift_in_all):
     status, pushed, _ = push(sunk(name, x), wall(cuts))
     assert status == CONVERGED
     assert least * DEPTH < pushed[2] < DEPTH + 1e-12

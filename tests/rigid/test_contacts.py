@@ -161,7 +161,7 @@ def test_a_point_begins_with_the_force_that_it_had(segments: list[dict[int, tupl
         latest.update(dict.fromkeys(members.tolist(), turn))
 
 
-def test_a_point_that_is_only_foreseen_gets_no_force_along_its_tangents() -> None:
+def test_a_foreseen_point_gets_no_tangential_force() -> None:
     """It touched a segment ago and had friction; without friction now, no part of that force may stay with it."""
     table = make_last_forces(BODIES, ROOM)
     contacts = points([7], [(1, 2)], 0.5)

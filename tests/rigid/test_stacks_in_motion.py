@@ -336,7 +336,7 @@ def test_a_heap_of_bodies_of_many_pieces_falls_to_rest() -> None:
     assert world.poses.position[1:, 2].min() == pytest.approx(0.05, abs=1e-4)
 
 
-def test_boxes_in_a_crowd_slide_over_seams_as_far_as_over_one_piece() -> None:
+def test_crowded_boxes_slide_over_seams_as_over_one_piece() -> None:
     """Straight, leaning and crossed seams, bodies of one piece and of three: v^2 / (2 mu g), to the error of the time steps."""
     scenario = catalog.get("seams")
     scene, engine = scenario.build(), AvatarsimEngine()

@@ -105,7 +105,7 @@ def test_at_the_surface_errors_are_those_of_the_step(engine: Engine, rate: int) 
         assert worst < AT_SURFACE[rate][k] + HALF_A_DIGIT + more
 
 
-def test_at_sixty_steps_a_second_means_over_phases_are_as_near_as_known() -> None:
+def test_at_60_steps_a_second_means_are_as_near_as_known() -> None:
     found = dropped("mujoco", 60)
     energy = found.velocities[:, :, 2] ** 2 + 2.0 * GRAVITY * (found.places[:, :, 2] - BALL.radius)
     for k, asked in enumerate(ASKED):

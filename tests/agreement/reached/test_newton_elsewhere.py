@@ -53,7 +53,7 @@ def test_two_free_spheres_part_at_half_their_speed(other: float) -> None:
 
 
 @pytest.mark.parametrize("tilt", [0.0, 45.0])
-def test_a_box_that_lands_on_four_corners_or_on_two_leaves_with_half_its_speed(tilt: float) -> None:
+def test_a_box_that_lands_on_corners_leaves_at_half_speed(tilt: float) -> None:
     """The lowest points are as fast as the centre, which is above the middle of them."""
     low = 0.5 * BOX.size[2] if tilt == 0.0 else 0.5 * sqrt(2.0) * BOX.size[2]
     box = Thrown(BOX, 1.0, (0.0, 0.0, low + 0.1), (0.0, 0.0, -2.0), HALF, turned_by((1.0, 0.0, 0.0), np.radians(tilt)))
@@ -66,7 +66,7 @@ def test_slow_impacts_bounce_as_fast_ones_do(speed: float, rate: int) -> None:
     assert bounced(MujocoEngine(), speed, rate, kappa=0.0) == pytest.approx(0.5, abs=5e-5)
 
 
-def test_with_gravity_impacts_of_any_speed_are_within_the_known_range() -> None:
+def test_impacts_under_gravity_are_within_the_known_range() -> None:
     """The known range is 0.499 to 0.514 at 1/240, measured at the surface of the fall."""
     balls = [Thrown(BALL, BALL_MASS, (float(k), 0.0, BALL.radius + 0.05), (0.0, 0.0, -speed), HALF)
              for k, speed in enumerate(FALLING)]
@@ -106,7 +106,7 @@ def test_pybullet_bounces_from_twenty_centimetres_a_second_on(speed: float) -> N
 
 
 @needs_pybullet
-def test_a_ball_at_rest_in_pybullet_is_no_deeper_than_a_hundredth_of_a_millimetre() -> None:
+def test_a_ball_rests_in_pybullet_within_10_micrometres() -> None:
     ball = Thrown(BALL, BALL_MASS, (0.0, 0.0, BALL.radius + 0.05), (0.0, 0.0, 0.0), ContactLaw(0.1, 0.0))
     found = seen(PybulletEngine(), over_floor("rest", [ball]), 240, 1.0)
     assert abs(found.places[-1, 0, 2] - BALL.radius) <= 1e-5

@@ -145,7 +145,7 @@ def test_oblique_bounce_is_the_limit_of_small_impulses(friction, approach):
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.3, 1.0])
-def test_point_impact_solves_newton_euler_and_restitution_together(restitution):
+def test_point_impact_solves_newton_euler_and_restitution(restitution):
     rng = np.random.default_rng(3)
     for _ in range(20):
         spread = rng.normal(size=(3, 3))
