@@ -72,13 +72,6 @@ def test_two_driven_pieces_are_met_once_each_before_overlap(shape: Shape) -> Non
 
 
 @needs_pybullet
-def test_a_driven_box_is_met_late_and_two_pieces_in_time() -> None:
-    """Bullet's own behaviour, without the corrections of the adapter."""
-    assert contacts(near_the_wall(Box((0.1, 0.2, 0.3)), True), {"boxes_as_hulls": False}) == 0
-    assert contacts(near_the_wall(Sphere(0.1), True, pieces=2), {"pieces_as_links": False}) == 0
-
-
-@needs_pybullet
 def test_a_limb_below_a_ball_joint_is_met_before_it_overlaps() -> None:
     """The capsule of a limb lies across its link's frame, with its centre next to the joint."""
     piece = Piece(Capsule(0.05, 0.2), (0.15, 0.0, 0.0), (float(np.sqrt(0.5)), 0.0, float(np.sqrt(0.5)), 0.0))

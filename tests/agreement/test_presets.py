@@ -12,6 +12,7 @@ from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from reference.in_mujoco.engine import PINNED, MujocoEngine
+from reference.in_mujoco.presets import DEFAULT
 from reference.in_mujoco.presets import SCENES as MUJOCO_SCENES
 from reference.in_mujoco.presets import presets as mujoco_presets
 from reference.in_physx.presets import presets as physx_presets
@@ -163,3 +164,24 @@ def test_kinds() -> None:
     assert kind_of(replace(drop, narrow=("restitution",))) is Kind.RESTING
     assert kind_of(hand) is Kind.DRIVEN
     assert kind_of(Scene("both", drop.bodies, hand.avatars)) is Kind.MIXED
+
+
+ONE_BALL = "<mujoco><worldbody><body><freejoint/><geom size='1'/></body></worldbody></mujoco>"
+
+
+def test_mujoco_s_defaults_are_what_the_preset_of_that_name_says() -> None:
+    model = mujoco.MjModel.from_xml_string(ONE_BALL)
+    option = model.opt
+    assert mujoco.mjtIntegrator(option.integrator).name == f"mjINT_{DEFAULT['integrator'].value}" == "mjINT_EULER"
+    assert mujoco.mjtCone(option.cone).name == f"mjCONE_{DEFAULT['cone'].value}" == "mjCONE_PYRAMIDAL"
+    assert mujoco.mjtSolver(option.solver).name == f"mjSOL_{DEFAULT['solver'].value}"
+    for name, value in (
+        ("timestep", "dt"), ("iterations", "iterations"), ("tolerance", "tolerance"), ("impratio", "impratio"),
+        ("noslip_iterations", "noslip_iterations"),
+    ):
+        assert getattr(option, name) == DEFAULT[value].value
+    assert model.geom_solref[0].tolist() == [DEFAULT["contact_time"].value, 1.0] == [0.02, 1.0]
+    assert tuple(model.geom_solimp[0, :3]) == DEFAULT["solimp"].value
+    assert model.geom_margin[0] == DEFAULT["margin"].value
+    # several contacts per pair, its own collision of hulls, islands, warm starts and safe stiffness are all switched on
+    assert option.disableflags == 0 and option.enableflags == 0
