@@ -95,6 +95,8 @@ def test_unknown_words_are_refused(engine: Engine, preset: str) -> None:
     for word in words.get(engine.name, ()):
         with pytest.raises(UnknownName):
             engine.load(hand_over_table(), Settings(preset, {word: "LEAPFROG"}), FRAME)
+    with pytest.raises(UnknownName, match="best"):
+        engine.load(ball_on_slab(), Settings("best"), FRAME)
 
 
 @pytest.mark.parametrize("preset", ["default", "tuned", "sleeping", "servos"])
@@ -106,12 +108,6 @@ def test_settings_as_run_hold_departures_from_defaults(preset: str) -> None:
     for name, bit in (("filterparent", bits.mjDSBL_FILTERPARENT), ("autoreset", bits.mjDSBL_AUTORESET)):
         assert int(engine._model.opt.disableflags) & int(bit) and run[name][0] is False  # type: ignore[index]
     assert run["contact excludes"] and run["welds"]
-
-
-@ENGINES
-def test_unknown_preset_is_refused(engine: Engine) -> None:
-    with pytest.raises(UnknownName, match="best"):
-        engine.load(ball_on_slab(), Settings("best"), FRAME)
 
 
 @ENGINES

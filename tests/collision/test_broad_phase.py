@@ -5,17 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avatarsim.collision.broad_phase import all_pairs, forget, insert, merge_ascending, remove, sort_ascending, sweep_and_prune
+from avatarsim.collision.broad_phase import all_pairs, forget, insert, remove, sweep_and_prune
 from avatarsim.collision.grid import (
-    BEYOND,
     LOOK,
     LOOKED,
     boxes_meet,
     cells_around,
-    first_cell,
-    half_cell,
-    last_cell,
-    level_of,
     link,
     make_sweep_memory,
     partners,
@@ -206,20 +201,6 @@ def test_a_fast_crowd_does_not_run_out_of_room_again_and_again():
     assert searched < 0.08 * 400 * 64
 
 
-PLACE = st.one_of(st.floats(-1e3, 1e3), st.floats(-1e12, 1e12), st.sampled_from([0.0, 0.25, -0.25, 1e5, 2.0**39]))
-LENGTH = st.one_of(st.floats(0.0, 10.0), st.floats(0.0, 1e11), st.integers(-30, 38).map(lambda power: 2.0**power))
-
-
-@given(PLACE, LENGTH, LENGTH, st.sampled_from([-1.0, -0.999999, 0.0, 0.5, 1.0]))
-@settings(deadline=None, max_examples=300)
-def test_a_search_looks_into_the_cell_of_every_box_that_meets(place: float, mine: float, theirs: float, where: float) -> None:
-    """Box 1 begins anywhere from one own length below box 0 up to its end: exactly touching ends are among the cases."""
-    other = place + where * (theirs if where < 0.0 else mine)
-    boxes = np.array([[place] * 3 + [place + mine] * 3, [other] * 3 + [other + theirs] * 3])
-    level = level_of(boxes, 1)
-    if level != BEYOND and boxes_meet(boxes, 0, 1):
-        cell = half_cell(boxes[1, 0], level) >> 1
-        assert first_cell(boxes, 0, 0, level) <= cell <= last_cell(boxes, 0, 0, level)
 
 
 @pytest.mark.parametrize(("length", "portions"), [(2.0, 1), (4.0, 2), (6.1, 3), (7.2, 4)])
@@ -250,22 +231,3 @@ def test_boxes_that_touch_meet_and_nan_meets_all() -> None:
         assert boxes_meet(boxes, i, j) == boxes_meet(boxes, j, i) == meet
     boxes[0] = np.nan
     assert boxes_meet(boxes, 0, 1) and boxes_meet(boxes, 1, 0)
-
-
-KEYS = st.lists(st.integers(0, 2**62), max_size=60)
-
-
-@given(KEYS, st.integers(0, 60))
-@settings(deadline=None)
-def test_sorts_the_first_keys_and_leaves_the_rest(keys: list[int], count: int) -> None:
-    found, count = np.array(keys, dtype=np.int64), min(count, len(keys))
-    sort_ascending(found, count)
-    assert found.tolist() == sorted(keys[:count]) + keys[count:]
-
-
-@given(KEYS, KEYS)
-@settings(deadline=None)
-def test_merges_what_is_new(keys: list[int], more: list[int]) -> None:
-    found = np.array(sorted(keys) + [-1] * len(more), dtype=np.int64)
-    merge_ascending(found, len(keys), np.array(sorted(more), dtype=np.int64), len(more))
-    assert found.tolist() == sorted(keys + more)

@@ -66,7 +66,7 @@ def check_against_generic(a, b):
 
 
 @given(point, point, point, point)
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=100)
 def test_segments_and_points_in_any_position(p, q, r, s):
     a, b = segment(p, q, 0.1), segment(r, s, 0.2)
     check_against_generic(a, b)

@@ -79,13 +79,6 @@ def test_the_lowest_row_of_those_with_the_largest_product(many):
         assert largest(rows, 5, 5 + many, d) == products.max()
 
 
-@pytest.mark.parametrize("many", [1, 2, 3, 40])
-def test_a_first_row_of_nan_reaches_the_largest_product(many):
-    rows = np.ones((many, 3))
-    rows[0] = np.nan
-    assert np.isnan(largest(rows, 0, many, (1.0, 0.0, 0.0)))
-
-
 @pytest.mark.parametrize(("toward", "count"), [((0.0, 0.0, 1.0), 4), ((1.0, 1.0, 0.0), 2), ((1.0, 0.5, 0.25), 1)])
 def test_foremost_corners_are_those_of_face_edge_or_corner(toward, count):
     vertices, shapes = as_arrays(box(0.5, 0.5, 0.5))
@@ -99,11 +92,14 @@ def test_foremost_corners_are_those_of_face_edge_or_corner(toward, count):
         assert second == tuple(corners[0]) and first == (0.0, 0.0, 0.0)
 
 
-@pytest.mark.parametrize("many", [3, 40])
-def test_of_nothing_but_nan_the_first_row(many):
+@pytest.mark.parametrize("many", [1, 2, 3, 40])
+def test_rows_of_nan(many):
+    """Of nothing but these the first is farthest; as the first of sound ones it reaches the largest product."""
     rows = np.full((many, 3), np.nan)
     assert farthest(rows, 0, many, (1.0, 0.0, 0.0)) == 0
     assert farthest(np.ones((many, 3)), 0, many, (np.nan, 0.0, 0.0)) == 0
+    rows[1:] = 1.0
+    assert np.isnan(largest(rows, 0, many, (1.0, 0.0, 0.0)))
 
 
 @pytest.mark.parametrize("many", [3, 4, 40])

@@ -21,6 +21,7 @@ from avatarsim.settings import CouplingSettings, PostureSettings
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
 from scenarios import catalog
+from tests.coupling.scenes import cube
 from tests.rigid.upper_world import G, World, hand
 from tests.worlds.loaded import loaded
 
@@ -37,8 +38,7 @@ def table(restitution: float) -> PairTable:
 
 def box(name: str, z: float, mass: float = HELD) -> Body:
     """Return a cube of 8 cm whose lower face is at z."""
-    pieces = (Piece(Box((0.08, 0.08, 0.08))),)
-    return simulated(name, pieces, "m", solid(pieces, mass), (0.0, 0.0, z + 0.04))
+    return cube(mass, (0.0, 0.0, z + 0.04), name, 0.08)
 
 
 def carry(
@@ -73,14 +73,6 @@ def test_an_avatar_has_its_own_drive() -> None:
     drive = Drive(stiffness=300.0, damping=20.0)
     shown, users = carry([box("box", 0.011)], lambda time: (0.0, 0.0, 0.0), 3.0, drive=drive, spring=5000.0)
     assert users[-1, 2] - shown[-1, 1, 2] == pytest.approx(HELD * G / 300.0, rel=1e-3)
-
-
-def test_a_hand_lifts_no_more_than_its_largest_force() -> None:
-    """2 N do not carry 3 N; the box stays on the table whatever the user does."""
-    floor = fixed("floor", (Piece(Box((1.0, 1.0, 0.1))),), "m", (0.0, 0.0, -0.2))
-    for force, lifts in ((2.0, False), (4.0, True)):
-        shown, _ = carry([box("box", 0.011), floor], lambda time: (0.0, 0.0, 0.0), 2.0, drive=Drive(largest_force=force))
-        assert (shown[-1, 0, 2] > 0.0) == lifts
 
 
 @pytest.mark.parametrize("wrong", [{"stiffness": -1.0}, {"damping": -1.0}, {"largest_force": 0.0}, {"stiffness": float("nan")}])

@@ -292,14 +292,14 @@ def test_momentum_of_groups_that_meet_on_ice_stays() -> None:
     assert world.velocities.linear[1:, 0].mean() == pytest.approx(0.5, abs=1e-3)
 
 
-@pytest.mark.parametrize(("lean", "dt"), [(0.003, 1e-3), (0.003, 1.0 / 60.0), (0.02, 1.0 / 60.0), (0.003, 1.0 / 30.0)])
+@pytest.mark.parametrize(("lean", "dt"), [(0.003, 2e-3), (0.003, 1.0 / 60.0), (0.02, 1.0 / 60.0), (0.003, 1.0 / 30.0)])
 def test_what_leans_beyond_its_balance_on_a_crowd_at_rest_falls(lean: float, dt: float) -> None:
     angle = np.arctan(0.06 / 0.3) + lean
     height = 0.03 * np.sin(angle) + 0.15 * np.cos(angle)
     edge = 0.03 * np.cos(angle) - 0.15 * np.sin(angle)
-    place = (1.5 * CUBE - edge, 1.5 * CUBE, 3.0 * (CUBE + GAP) + height + GAP)
+    place = (1.5 * CUBE - edge, 1.5 * CUBE, 2.0 * (CUBE + GAP) + height + GAP)
     tall = thing("tall", Box((0.06, 0.06, 0.3)), place, 0.5, orientation=(np.cos(angle / 2.0), 0.0, np.sin(angle / 2.0), 0.0))
-    world = World([slab(), *blocks((4, 4, 3)), tall], 0.0, 0.5)
+    world = World([slab(), *blocks((4, 4, 2)), tall], 0.0, 0.5)
     assert run_as_crowd(world, 1.5, dt) < 1e-9
     assert abs(world.poses.rotation[-1, 2, 2]) < 0.1
 

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 
 from avatarsim.collision.conservative_advancement import TOUCH
+from avatarsim.model.geometry import place
 from avatarsim.rigid.contacts import EARTH, pace_of
 from avatarsim.rigid.energy_audit import take_back
 from avatarsim.rigid.impacts import REST_SPEED
 from avatarsim.rigid.resting import SOLVED
 from avatarsim.rigid.state import NOT_FINITE, SEARCHES, SEGMENTS, UNSQUEEZED
-from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid
+from avatarsim.scene.body import fixed
+from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
 from reference.closed_form import bounce_state
 from tests.rigid.random_impacts import ROUNDING, run
 from tests.rigid.upper_world import G, World, ball, hand, slab, thing
@@ -165,9 +167,6 @@ def test_a_stack_stands(count: int) -> None:
 
 def test_a_ball_rests_between_others() -> None:
     """In the valley of two fixed balls: two contacts share its weight; it neither sinks nor drifts."""
-    from avatarsim.scene.body import fixed
-    from avatarsim.scene.shape import Piece, Sphere
-
     low = [fixed(f"low {x}", (Piece(Sphere(0.1)),), "m", (x, 0.0, 0.0)) for x in (-0.12, 0.12)]
     world = World([*low, ball("ball", (0.001, 0.0, np.sqrt(0.04 - 0.0144) + 0.05))], 0.2, 0.5)
     world.run(4.0)
@@ -185,8 +184,6 @@ def test_resting_bodies_sleep_and_wake() -> None:
     world.run(0.1)
     assert world.memory.counts[SEGMENTS] == 0 and world.memory.counts[SEARCHES] == 0
     world.poses.position[1, 2] -= 1.0
-    from avatarsim.model.geometry import place
-
     place(world.geometry, world.poses, 1)
     world.run(0.1)
     assert world.velocities.linear[0, 2] == pytest.approx(-0.1 * G, abs=1e-9)
