@@ -234,31 +234,14 @@ class Rest(NamedTuple):
     line: Line
 
 
-def view_swapped() -> None:
-    """View a world as the working memory of a step, and the other way round: both raise, in plain Python and compiled."""
+def test_swapped_arenas_raise() -> None:
+    """A world viewed as the working memory of a step, and the other way round: both raise."""
     world = build(SCENE)
     upper = SimulatedLoop(world, paper=False, record=False)
     for wrong in ((upper.words, upper.words), (world.words, world.words), (upper.words, world.words)):
         with pytest.raises(ValueError, match="layout"):
             advance_opened(*wrong, 1.0 / 60.0)
     assert advance_opened(world.words, upper.words, 1.0 / 60.0) == DONE
-
-
-@pytest.mark.parametrize("compiled", [True, False])
-def test_swapped_arenas_raise(compiled: bool) -> None:
-    """In a process of its own where kernels are plain Python."""
-    if compiled:
-        view_swapped()
-    else:
-        plain("view_swapped")
-
-
-def plain(function: str) -> None:
-    """Run a function of this module with kernels in plain Python."""
-    code = f"from tests.jit.test_arena import {function}; {function}()"
-    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
 
 
 def open_everything() -> None:
@@ -274,4 +257,8 @@ def open_everything() -> None:
 
 
 def test_what_is_opened_is_what_was_packed_field_by_field() -> None:
-    plain("open_everything")
+    """In a process with kernels in plain Python, where swapped arenas raise too."""
+    code = "from tests.jit import test_arena; test_arena.open_everything(); test_arena.test_swapped_arenas_raise()"
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
