@@ -47,7 +47,7 @@ def laid(world: World, rng: np.random.Generator) -> tuple[Array, Array]:
     still = np.zeros((2, 3))
     for _ in range(40):
         gap, n, _, _ = asked(world, turns, 0.0, still, still, start)
-        if abs(gap - GAP) < 1e-15:
+        if abs(gap - GAP) < 1e-13:
             break
         start[0] -= (gap - GAP) * n
     return start, turns
