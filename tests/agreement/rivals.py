@@ -23,10 +23,10 @@ if HAS_PYBULLET:
 
     pybullet, PybulletEngine = installed, Installed
 
-RIVALS: list[Engine] = [MujocoEngine(), *([PybulletEngine()] if HAS_PYBULLET else [])]
-STUDIED = pytest.mark.parametrize("engine", RIVALS, ids=[engine.name for engine in RIVALS])
+STUDIED_ENGINES: list[Engine] = [MujocoEngine(), *([PybulletEngine()] if HAS_PYBULLET else [])]
+STUDIED = pytest.mark.parametrize("engine", STUDIED_ENGINES, ids=[engine.name for engine in STUDIED_ENGINES])
 """Engines whose best figures are known from separate studies (`tests/agreement/reached`)."""
-RIVALS = [*RIVALS, RapierEngine()]
+RIVALS = [*STUDIED_ENGINES, RapierEngine()]
 if find_spec("sapien") is not None:
     from reference.in_physx.engine import PhysxEngine
 

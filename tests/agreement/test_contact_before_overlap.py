@@ -66,16 +66,9 @@ def test_one_piece_is_met_before_it_overlaps(shape: Shape, driven: bool) -> None
 
 @needs_pybullet
 @pytest.mark.parametrize("shape", SHAPES, ids=[type(shape).__name__ for shape in SHAPES])
-def test_two_driven_pieces_are_met_before_they_overlap_each_once_and_never_by_each_other(shape: Shape) -> None:
+def test_two_driven_pieces_are_met_once_each_before_overlap(shape: Shape) -> None:
     once = contacts(near_the_wall(shape, True), {})
     assert contacts(near_the_wall(shape, True, pieces=2), {}) == 2 * once > 0
-
-
-@needs_pybullet
-def test_a_driven_box_is_met_late_as_a_box_and_two_pieces_as_a_compound() -> None:
-    """Bullet's own behaviour, without the corrections of the adapter."""
-    assert contacts(near_the_wall(Box((0.1, 0.2, 0.3)), True), {"boxes_as_hulls": False}) == 0
-    assert contacts(near_the_wall(Sphere(0.1), True, pieces=2), {"pieces_as_links": False}) == 0
 
 
 @needs_pybullet

@@ -79,7 +79,7 @@ def test_ellipsoids_are_reported_as_unsupported() -> None:
 
 
 @pytest.mark.parametrize("what", [0, 1], ids=list(KNOWN))
-def test_table_1_is_missed_by_no_more_than_known_where_all_meet_all(what: int) -> None:
+def test_table_1_is_missed_by_no_more_than_known(what: int) -> None:
     """Return two balls of each material, all at one position."""
     bodies = tuple(simulated(f"{material}_{k}", BALL, material, solid(BALL, 1.0)) for material in MATERIALS for k in range(2))
     scene = Scene("crowd", bodies)
@@ -109,7 +109,7 @@ def test_no_factors_of_a_grid_are_better(seed: int) -> None:
 
 
 @pytest.mark.parametrize(("table", "exact"), [((0.5, 0.4, 0.3), True), ((0.9, 0.0, 0.0), False)])
-def test_averages_of_three_bodies_are_exact_where_factors_of_at_least_0_can_be(table: tuple[float, ...], exact: bool) -> None:
+def test_averages_of_three_are_exact_where_factors_can_be(table: tuple[float, ...], exact: bool) -> None:
     laws = dict(zip((("a", "b"), ("a", "c"), ("b", "c")), table, strict=True)) | {(name, name): 0.2 for name in "abc"}
     bodies = tuple(simulated(name, BALL, name, solid(BALL, 1.0)) for name in "abc")
     scene = Scene("three", bodies, materials=PairTable({pair: ContactLaw(e, 0.1) for pair, e in laws.items()}))

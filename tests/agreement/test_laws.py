@@ -57,7 +57,7 @@ def test_table_1_needs_few_explicit_pairs() -> None:
     assert 0 < len(laws.explicit) <= 12
 
 
-def test_mujoco_s_own_contacts_have_the_stated_friction_and_the_stated_pairs() -> None:
+def test_contacts_of_mujoco_have_stated_friction_and_pairs() -> None:
     """The contacts that MuJoCo makes when all balls overlap: every wanted pair once, and no other."""
     scene = crowd(["human", "metal", "wood", "wood", "metal"], [False, False, False, True, True], exclude=(("s0", "s1"),))
     engine = loaded(MujocoEngine(), scene, Settings("tuned"))
@@ -75,7 +75,7 @@ def test_mujoco_s_own_contacts_have_the_stated_friction_and_the_stated_pairs() -
         assert friction == scene.materials.contact(scene.material_names[a], scene.material_names[b]).friction
 
 
-def test_links_of_an_avatar_keep_away_from_each_other_exactly_as_the_scene_says() -> None:
+def test_links_of_an_avatar_meet_as_the_scene_says() -> None:
     """MuJoCo's own rule would also exclude grandparents across rigid joints."""
     avatar = every_joint()
     scene = Scene("self", avatars=(avatar,), start=posture(avatar, 0))
@@ -91,7 +91,7 @@ def test_links_of_an_avatar_keep_away_from_each_other_exactly_as_the_scene_says(
 
 
 @pytest.mark.parametrize("margin", [0.0, 0.0004])
-def test_a_loose_margin_holds_what_rests_apart_and_leaves_the_hand_its_own(margin: float) -> None:
+def test_a_loose_margin_holds_what_rests_and_not_the_hand(margin: float) -> None:
     """Geoms and pairs that are not driven add up to it; a link and a loose body meet at the margin of the links."""
     scenario = catalog.get("stack_ten")
     engine = loaded(MujocoEngine(), scenario.build(), Settings("tuned", {"loose_margin": margin}), scenario.dt)

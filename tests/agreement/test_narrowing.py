@@ -34,7 +34,7 @@ def test_what_stays_all_the_same_is_said(effect: str) -> None:
 
 
 @pytest.mark.parametrize("effect", SWITCHED)
-def test_what_is_switched_off_changes_mujoco_s_model_and_no_words_are_needed(effect: str) -> None:
+def test_what_is_switched_off_changes_mujoco_s_model(effect: str) -> None:
     scene = catalog.get(SCENES[effect]).build()
     less = replace(scene, narrow=(effect,))
     assert mujoco_unsupported(less).keys() <= mujoco_unsupported(scene).keys()
@@ -58,7 +58,7 @@ def test_what_is_switched_off_changes_mujoco_s_model_and_no_words_are_needed(eff
 
 
 @pytest.mark.parametrize(("name", "coupled"), [("hand_over_table", True), ("coupling_sweep", True), ("mocap_punch_wall", False)])
-def test_scenes_with_coupling_report_the_spring_of_equation_6_as_unsupported(name: str, coupled: bool) -> None:
+def test_reports_the_spring_of_equation_6_as_unsupported(name: str, coupled: bool) -> None:
     scene = catalog.get(name).build()
     pybullet = pytest.importorskip("reference.in_pybullet.unsupported", exc_type=ImportError)
     for features in (mujoco_unsupported(scene), pybullet.unsupported(scene)):

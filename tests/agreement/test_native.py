@@ -52,7 +52,7 @@ def test_the_xml_of_a_scene_compiles_to_the_model_that_was_run(name: str, preset
     assert np.allclose(theirs.key_qpos[0], engine._data.qpos, rtol=WRITTEN, atol=WRITTEN)
 
 
-def test_what_was_told_in_every_step_plays_the_scene_again_without_this_project(tmp_path: Path) -> None:
+def test_a_told_scene_plays_again_without_this_project(tmp_path: Path) -> None:
     scenario, engine, frames = catalog.get("mocap_punch_wall"), MujocoEngine(), 12
     scene, job = scenario.build(), Job("mocap_punch_wall", "mujoco", "tuned")
     engine.load(scene, Settings("tuned"), scenario.dt)
@@ -115,7 +115,7 @@ def test_the_calls_set_bullet_as_it_was_run(name: str, preset: str) -> None:
     engine.close()
 
 
-def test_a_run_keeps_it_once_and_an_engine_that_cannot_tell_gives_none(tmp_path: Path) -> None:
+def test_a_run_keeps_the_scene_once_if_its_engine_tells_it(tmp_path: Path) -> None:
     scenario = catalog.get("driven_10cm_wall")
     engine = loaded(MujocoEngine(), scenario.build(), Settings("tuned"), scenario.dt)
     write_native(engine, tmp_path, Job("driven_10cm_wall", "mujoco", "tuned"), everyday=False)
@@ -130,7 +130,7 @@ def test_a_run_keeps_it_once_and_an_engine_that_cannot_tell_gives_none(tmp_path:
 
 @pytest.mark.parametrize("preset", ["default", "tuned"])
 @pytest.mark.parametrize("name", ["falling_rod", "painleve"])
-def test_the_floor_of_rods_is_the_plane_of_its_top_and_both_ends_are_met(name: str, preset: str) -> None:
+def test_a_floor_of_rods_is_the_plane_of_its_top(name: str, preset: str) -> None:
     scenario = catalog.get(name)
     scene = scenario.build()
     engine = loaded(MujocoEngine(), scene, Settings(preset), scenario.dt)

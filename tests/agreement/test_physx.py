@@ -153,7 +153,7 @@ def test_pairs_that_the_scene_lets_pass_do_not_meet() -> None:
     assert shown.positions[2, 2] == pytest.approx(0.55 - 0.5 * 9.81, abs=0.02)
 
 
-def test_scenes_of_too_many_groups_are_refused_before_they_are_loaded() -> None:
+def test_refuses_scenes_of_too_many_groups_before_loading() -> None:
     names = [f"b{k}" for k in range(BITS + 4)]
     bodies = tuple(simulated(name, BALL, "wood", solid(BALL, 1.0), (0.2 * k, 0.0, 0.0)) for k, name in enumerate(names))
     draw = np.random.default_rng(1)

@@ -12,6 +12,7 @@ from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from reference.in_mujoco.engine import PINNED, MujocoEngine
+from reference.in_mujoco.presets import DEFAULT
 from reference.in_mujoco.presets import SCENES as MUJOCO_SCENES
 from reference.in_mujoco.presets import presets as mujoco_presets
 from reference.in_physx.presets import presets as physx_presets
@@ -56,7 +57,7 @@ def test_tuned_arm_at_the_wall_overlaps_less_in_mujoco() -> None:
 
 
 @needs_pybullet
-def test_tuned_arm_in_pybullet_is_closer_to_the_tracker_while_the_way_is_free() -> None:
+def test_a_tuned_arm_in_pybullet_is_closer_on_a_free_way() -> None:
     """The default does not overlap the wall more (0 against 0.05 mm), as contacts act before bodies meet and motors of any
     force push. So tuned is not better in overlap here; its offset before the wall is reached is twenty times smaller."""
     free = [bent(frame) for frame in range(1, 31)]
@@ -94,10 +95,12 @@ def test_unknown_words_are_refused(engine: Engine, preset: str) -> None:
     for word in words.get(engine.name, ()):
         with pytest.raises(UnknownName):
             engine.load(hand_over_table(), Settings(preset, {word: "LEAPFROG"}), FRAME)
+    with pytest.raises(UnknownName, match="best"):
+        engine.load(ball_on_slab(), Settings("best"), FRAME)
 
 
 @pytest.mark.parametrize("preset", ["default", "tuned", "sleeping", "servos"])
-def test_departures_from_mujoco_s_defaults_are_among_the_settings_as_run(preset: str) -> None:
+def test_settings_as_run_hold_departures_from_defaults(preset: str) -> None:
     engine = loaded(MujocoEngine(), hand_over_table(), Settings(preset))
     run = engine.settings_as_run()
     assert run["version"] == (mujoco.__version__, PINNED)
@@ -105,12 +108,6 @@ def test_departures_from_mujoco_s_defaults_are_among_the_settings_as_run(preset:
     for name, bit in (("filterparent", bits.mjDSBL_FILTERPARENT), ("autoreset", bits.mjDSBL_AUTORESET)):
         assert int(engine._model.opt.disableflags) & int(bit) and run[name][0] is False  # type: ignore[index]
     assert run["contact excludes"] and run["welds"]
-
-
-@ENGINES
-def test_unknown_preset_is_refused(engine: Engine) -> None:
-    with pytest.raises(UnknownName, match="best"):
-        engine.load(ball_on_slab(), Settings("best"), FRAME)
 
 
 @ENGINES
@@ -147,7 +144,7 @@ def test_presets_name_the_same_settings_and_give_reasons(presets: object, kind: 
 
 
 @pytest.mark.parametrize(("presets", "scenes"), [(mujoco_presets, MUJOCO_SCENES), (pybullet_presets, PYBULLET_SCENES)])
-def test_what_is_best_in_one_scene_only_is_a_known_setting_of_a_known_scene(
+def test_best_settings_of_one_scene_are_known_settings(
     presets: object, scenes: Mapping[str, Mapping[str, Chosen]]
 ) -> None:
     for name, own in scenes.items():
@@ -163,3 +160,24 @@ def test_kinds() -> None:
     assert kind_of(replace(drop, narrow=("restitution",))) is Kind.RESTING
     assert kind_of(hand) is Kind.DRIVEN
     assert kind_of(Scene("both", drop.bodies, hand.avatars)) is Kind.MIXED
+
+
+ONE_BALL = "<mujoco><worldbody><body><freejoint/><geom size='1'/></body></worldbody></mujoco>"
+
+
+def test_mujoco_s_defaults_are_what_the_preset_of_that_name_says() -> None:
+    model = mujoco.MjModel.from_xml_string(ONE_BALL)
+    option = model.opt
+    assert mujoco.mjtIntegrator(option.integrator).name == f"mjINT_{DEFAULT['integrator'].value}" == "mjINT_EULER"
+    assert mujoco.mjtCone(option.cone).name == f"mjCONE_{DEFAULT['cone'].value}" == "mjCONE_PYRAMIDAL"
+    assert mujoco.mjtSolver(option.solver).name == f"mjSOL_{DEFAULT['solver'].value}"
+    for name, value in (
+        ("timestep", "dt"), ("iterations", "iterations"), ("tolerance", "tolerance"), ("impratio", "impratio"),
+        ("noslip_iterations", "noslip_iterations"),
+    ):
+        assert getattr(option, name) == DEFAULT[value].value
+    assert model.geom_solref[0].tolist() == [DEFAULT["contact_time"].value, 1.0] == [0.02, 1.0]
+    assert tuple(model.geom_solimp[0, :3]) == DEFAULT["solimp"].value
+    assert model.geom_margin[0] == DEFAULT["margin"].value
+    # several contacts per pair, its own collision of hulls, islands, warm starts and safe stiffness are all switched on
+    assert option.disableflags == 0 and option.enableflags == 0

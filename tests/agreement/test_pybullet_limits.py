@@ -40,7 +40,7 @@ def worst_excess(name: str, frames: int | None, options: dict[str, object]) -> f
 
 
 @needs_pybullet
-def test_limits_and_motors_keep_balls_of_legs_that_meet_within_some_degrees() -> None:
+def test_limits_and_motors_keep_balls_of_legs_that_meet() -> None:
     scenario = catalog.get("mocap_run")
     assert any(isinstance(place.joint, Ball) for place in places(scenario.build()))
     assert worst_excess("mocap_run", scenario.short, {}) < 12.0
@@ -50,7 +50,7 @@ def test_limits_and_motors_keep_balls_of_legs_that_meet_within_some_degrees() ->
 
 
 @needs_pybullet
-def test_a_hand_in_a_corner_keeps_its_limits_where_it_is_led_by_the_force_of_a_hand() -> None:
+def test_a_hand_in_a_corner_led_by_a_hand_keeps_its_limits() -> None:
     """The hand is in the corner from the tenth frame on; forces strong enough for a body violate its fingers' limits."""
     assert worst_excess("hand_in_corner", 40, {}) < 20.0
     assert worst_excess("hand_in_corner", 40, {"root_force": 2000.0, "hinge_force": 100.0, "solver_iterations": 50}) > 60.0

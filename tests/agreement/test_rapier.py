@@ -55,7 +55,7 @@ def arm(joint: Ball | Hinges) -> Avatar:
 
 @pytest.mark.parametrize("diagonal", [False, True])
 @pytest.mark.parametrize(("swing", "most"), [("ropes", 1.0), ("axes", 16.0)])
-def test_a_cone_holds_in_any_direction_by_ropes_and_has_corners_by_axes(diagonal: bool, swing: str, most: float) -> None:
+def test_a_cone_of_ropes_is_round_and_one_of_axes_cornered(diagonal: bool, swing: str, most: float) -> None:
     """A limb in a cone of 40 degrees has a target of 80, with targets not clamped to the limits."""
     limits = SwingTwist((1.0, 0.0, 0.0), (1.0, 0.0, 0.0), np.radians(40.0), (-0.3, 0.3))
     scene = Scene("cone", avatars=(arm(Ball(limits)),), gravity=(0.0, 0.0, 0.0))
@@ -99,11 +99,6 @@ def test_posture_within_limits_is_kept() -> None:
     scene = Scene("still", avatars=(avatar,), start=sample)
     shown = played(RapierEngine(), scene, [sample] * 60, Settings("tuned"))[-1]
     assert np.abs(shown.shown.positions - link_poses(scene.avatars, sample)[0]).max() < 1e-4
-
-
-def test_the_same_run_gives_the_same_bits() -> None:
-    hashes = {of_catalog(RapierEngine(), "stack_struck", Settings("tuned"), 30)[1][-1].state_hash() for _ in range(2)}
-    assert len(hashes) == 1
 
 
 def test_settings_reach_the_solver() -> None:

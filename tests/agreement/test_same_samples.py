@@ -1,5 +1,7 @@
 """Every engine gets the same tracker samples at the same instants, to the bit, and computes the same frames."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +15,10 @@ from scenarios.engines import opened
 from scenarios.job import Job
 from scenarios.run import accuracy as room
 from scenarios.run.accuracy import accuracy
-from tests.agreement.rivals import HAS_PYBULLET
+from tests.agreement.rivals import HAS_PYBULLET, STUDIED_ENGINES
+from tests.agreement.runs import of_catalog
 
+ROOT = Path(__file__).resolve().parents[2]
 FRAMES = 12
 NAMES = ("avatarsim", "mujoco", "tracker", *(("pybullet",) if HAS_PYBULLET else ()))
 SCENES = ("driven_10cm_wall", "two_arms", "hand_grasp", "squeeze")
@@ -63,3 +67,12 @@ def test_all_engines_hear_the_same(scene: str, tmp_path: Path, monkeypatch: pyte
         assert np.abs(other.positions[0] - first.positions[0]).max() <= 1e-12
 
 
+def fingerprints() -> list[str]:
+    """Return a hash of all bits of the last state of a run by each engine."""
+    return [of_catalog(opened(engine.name), SCENES[0], Settings("tuned"), 60)[1][-1].state_hash() for engine in STUDIED_ENGINES]
+
+
+def test_a_run_in_another_process_is_the_same() -> None:
+    code = "from tests.agreement.test_same_samples import fingerprints; print(*fingerprints())"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == fingerprints()

@@ -50,7 +50,7 @@ def test_links_go_where_slides_have_them(engine: Engine, preset: str) -> None:
 
 
 @needs_pybullet
-def test_mujoco_has_a_coupling_and_pybullet_says_that_it_has_none() -> None:
+def test_mujoco_has_a_coupling_and_pybullet_names_none() -> None:
     avatar = replace(gantry(), couplings=(Coupling(2, 0, 0.5, 0.1),))
     scene, engine = Scene("gantry", avatars=(avatar,), start=rest((avatar,))), MujocoEngine()
     engine.load(scene, Settings("tuned"), 1.0 / 60.0)

@@ -10,6 +10,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from avatarsim.spatial import rotation
 from reference.targets import Followed, Targets
+from scenarios.measure.posture.limits import swing_twist
 from tests.agreement.scenes import LIMITS, every_joint, posture
 
 SCENE = Scene("targets", avatars=(every_joint(),), start=posture(every_joint(), 0))
@@ -35,8 +36,7 @@ def test_interpolated_postures_have_the_plain_kinematics(seed: int, fraction: fl
 
 
 @given(st.integers(0, 10**6))
-def test_clamped_samples_are_within_limits_and_free_ones_unchanged(seed: int) -> None:
-    """Swing and twist as in the joint's definition, measured here from the matrices."""
+def test_clamps_samples_to_limits_and_leaves_free_ones(seed: int) -> None:
     draw = np.random.default_rng(seed)
     avatar = SCENE.avatars[0]
     wild = TrackerSample(
@@ -45,8 +45,8 @@ def test_clamped_samples_are_within_limits_and_free_ones_unchanged(seed: int) ->
     kept = Targets(SCENE, clamp=True).within_limits(wild)
     link = avatar.links[2]
     assert isinstance(link.joint, Ball)
-    swing, twist = swing_and_twist(rotation.multiply(link.orientation, kept.rotations[2]))
-    was_swing, was_twist = swing_and_twist(rotation.multiply(link.orientation, wild.rotations[2]))
+    swing, twist = swing_twist(LIMITS, rotation.multiply(link.orientation, kept.rotations[2]))
+    was_swing, was_twist = swing_twist(LIMITS, rotation.multiply(link.orientation, wild.rotations[2]))
     assert swing <= LIMITS.swing + 1e-9
     assert LIMITS.twist[0] - 1e-9 <= twist <= LIMITS.twist[1] + 1e-9
     if was_swing <= LIMITS.swing and LIMITS.twist[0] <= was_twist <= LIMITS.twist[1]:
@@ -57,15 +57,6 @@ def test_clamped_samples_are_within_limits_and_free_ones_unchanged(seed: int) ->
     # the order of tracker angles is that of the links: "one", then the three of "three"
     assert abs(kept.angles[0]) <= 2.0 and abs(kept.angles[3]) <= 1.0
     assert kept.angles[1] == wild.angles[1]
-
-
-def swing_and_twist(turn: np.ndarray) -> tuple[float, float]:
-    """Return the angle of the limb's axis from the cone's, and the rotation about it; the axes of LIMITS coincide."""
-    axis = np.array(LIMITS.axis)
-    along = rotation.rotate(turn, axis)
-    swing = float(np.arctan2(np.linalg.norm(np.cross(axis, along)), axis @ along))
-    twist = 2.0 * np.arctan2(turn[1:] @ axis, turn[0])
-    return swing, float((twist + np.pi) % (2.0 * np.pi) - np.pi)
 
 
 def test_poses_ahead_go_on_as_the_motion_came() -> None:

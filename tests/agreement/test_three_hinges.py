@@ -27,7 +27,7 @@ def test_three_turns_by_its_angles_are_the_turn_of_the_ball(seed: int) -> None:
     assert np.allclose(rotation.rotate(three_hinges.middle(LIMIT), LIMIT.axis), LIMIT.centre)
 
 
-def test_a_body_of_hinges_starts_as_one_of_balls_and_keeps_its_twist() -> None:
+def test_a_body_of_hinges_starts_as_one_of_balls() -> None:
     scenario, shown = catalog.get("mocap_spin"), {}
     scene, engine = scenario.build(), MujocoEngine()
     for joints in ("balls", "hinges"):

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
-from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-Array = NDArray[np.float64]
+from avatarsim.scene.shape import ConvexHull
+from reference.judging.geometry import Outline
+from reference.judging.proof import largest_over_axes, largest_over_faces
 
-PARALLEL = 1e-12
-"""Edges whose cross product is shorter than this [m^2] give no axis; a face or another pair of edges does."""
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,48 +56,26 @@ class Pair:
     """Two polytopes in flight and every axis that can separate them: all facet normals, all pairs of edges."""
 
     def __init__(self, a: Flying, b: Flying) -> None:
-        self._flying = (a, b)
-        self._normals, self._edges = zip(*(_features(x.points) for x in (a, b)), strict=True)
+        self._flying, self._outlines = (a, b), [Outline(ConvexHull(x.points)) for x in (a, b)]
 
     def separation(self, t: Array) -> Array:
         """Return (T,) largest gap over all axes: of the sign of the true gap, and equal to it except between corners."""
-        turns, points = self._poses(t)
-        return np.maximum(_gap(points, self._faces(turns)), _gap(points, self._crossed(turns)))
+        one, other, between = self._placed(t)
+        return largest_over_axes(self._outlines[0], one, self._outlines[1], other, between)
 
     def apart(self, t: Array) -> NDArray[np.bool_]:
         """Return (T,) whether the gap is positive; pairs of edges are tried only where no facet settles it."""
-        turns, points = self._poses(t)
-        settled = np.asarray(_gap(points, self._faces(turns)) > 0.0)
-        rest = np.flatnonzero(~settled)
-        settled[rest] = _gap([x[rest] for x in points], self._crossed([x[rest] for x in turns])) > 0.0
+        one, other, between = self._placed(t)
+        settled = largest_over_faces(self._outlines[0], one, self._outlines[1], other, between) > 0.0
+        rest = ~settled
+        if rest.any():
+            settled[rest] = largest_over_axes(self._outlines[0], one[rest], self._outlines[1], other[rest], between[rest]) > 0.0
         return settled
 
-    def _poses(self, t: Array) -> tuple[list[Array], list[Array]]:
-        turns = [x.turns(t) for x in self._flying]
-        return turns, [x.points @ r.swapaxes(1, 2) + x.centres(t)[:, None] for x, r in zip(self._flying, turns, strict=True)]
-
-    def _faces(self, turns: list[Array]) -> Array:
-        return np.concatenate([n @ r.swapaxes(1, 2) for n, r in zip(self._normals, turns, strict=True)], axis=1)
-
-    def _crossed(self, turns: list[Array]) -> Array:
-        first, second = (e @ r.swapaxes(1, 2) for e, r in zip(self._edges, turns, strict=True))
-        crossed = np.cross(first[:, :, None], second[:, None])
-        return np.asarray(crossed.reshape(len(first), first.shape[1] * second.shape[1], 3))
-
-
-def _features(points: Array) -> tuple[Array, Array]:
-    """Return facet normals (k, 3) and edges (m, 3) of the hull."""
-    hull = ConvexHull(points)
-    ends = np.unique(np.sort(np.concatenate([hull.simplices[:, [i, i - 1]] for i in range(3)]), axis=1), axis=0)
-    return hull.equations[:, :3], points[ends[:, 1]] - points[ends[:, 0]]
-
-
-def _gap(points: list[Array], axes: Array) -> Array:
-    """Return (T,) largest gap between two sets of points (T, n, 3) along any of the axes (T, k, 3)."""
-    size = np.linalg.norm(axes, axis=2)
-    on_a, on_b = (axes @ x.swapaxes(1, 2) for x in points)
-    gaps = np.maximum(on_a.min(axis=2) - on_b.max(axis=2), on_b.min(axis=2) - on_a.max(axis=2))
-    return np.asarray(np.where(size > PARALLEL, gaps / np.maximum(size, PARALLEL), -np.inf).max(axis=1))
+    def _placed(self, t: Array) -> tuple[Array, Array, Array]:
+        """Return the turns of both (T, 3, 3), and the way from the second to the first (T, 3)."""
+        a, b = self._flying
+        return a.turns(t), b.turns(t), a.centres(t) - b.centres(t)
 
 
 def first_touch(apart: Callable[[Array], NDArray[np.bool_]], end: float, samples: int = 400, within: float = 0.0) -> float | None:

@@ -17,14 +17,11 @@ from tests.progress_bar import bar
 
 BATCHES_AT_ONCE = 5
 """Batches sent to a process at a time: larger makes the progress bar coarse, smaller spends more on sending."""
-QHULL_EVERY = 19
-"""Of the overlapping polytope pairs every 19th also goes through qhull's Minkowski difference, and all large ones do. Prime to
-the 15 pairs of kinds, which are drawn in turn."""
 SHOWN = 40
 """Failures printed; the count is printed anyway."""
 
 
-def chunks(pairs: int, large: int, seed: int) -> Iterator[tuple[str, int, range, int, int]]:
+def chunks(pairs: int, large: int, seed: int) -> Iterator[tuple[str, int, range, int]]:
     """Yield arguments of `tally` that together are `pairs` pairs, shared out evenly over the strata, and `large` large ones."""
     strata = [s for s in STRATA if s != "large"]
     wanted = {s: pairs // len(strata) + (k < pairs % len(strata)) for k, s in enumerate(strata)} | {"large": large}
@@ -33,10 +30,10 @@ def chunks(pairs: int, large: int, seed: int) -> Iterator[tuple[str, int, range,
         for first in range(0, count, step):
             here = min(step, count - first)
             numbers = range(first // BATCH, (first + here + BATCH - 1) // BATCH)
-            yield stratum, seed, numbers, here, 1 if stratum == "large" else QHULL_EVERY
+            yield stratum, seed, numbers, here
 
 
-def named(chunk: tuple[str, int, range, int, int]) -> tuple[str, Tally]:
+def named(chunk: tuple[str, int, range, int]) -> tuple[str, Tally]:
     """Return the tally of a chunk, with its stratum."""
     return chunk[0], tally(*chunk)
 
@@ -53,7 +50,7 @@ def table(found: dict[str, Tally]) -> str:
 def show(label: str) -> bool:
     """Judge one pair and print the verdict; returns whether it is right."""
     stratum, seed, number, k = label.split("/")
-    verdict = judge(draw(stratum, int(seed), int(number)), int(k.split()[0]), by_qhull=True)
+    verdict = judge(draw(stratum, int(seed), int(number)), int(k.split()[0]))
     print(verdict, "Failures:", ", ".join(verdict.failures) or "none", sep="\n")
     return not verdict.failures
 

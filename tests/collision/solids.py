@@ -5,7 +5,6 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
@@ -95,29 +94,3 @@ def ask(
     vertices, shapes = as_arrays(a, b)
     status, gap, n, on_a, on_b = signed_distance(vertices, shapes, 0, 1, seed, SCRATCH)
     return status, gap, np.array(n), np.array(on_a), np.array(on_b)
-
-
-def exact_core_depth(a: Solid, b: Solid) -> float:
-    """Return the depth of two polytopes from qhull's facets of their Minkowski difference; negative: apart."""
-    differences = (a.rows[:, None, :] - b.rows[None, :, :]).reshape(-1, 3)
-    return float(-ConvexHull(differences).equations[:, 3].max())
-
-
-def dumb_core_distance(a: Solid, b: Solid) -> float:
-    """Return the distance of two polytopes as a least-squares problem over convex combinations: min |A^T x - B^T y|,
-    sums 1.
-
-    Solved as non-negative least squares with the two sums weighted heavily, then corrected by projecting once
-    on the active set.
-    """
-    differences = (a.rows[:, None, :] - b.rows[None, :, :]).reshape(-1, 3)
-    scale = np.abs(differences).max()
-    weight = 1e3
-    system = np.vstack([differences.T / scale, np.full(len(differences), weight)])
-    x, _ = nnls(system, np.array([0.0, 0.0, 0.0, weight]), maxiter=30 * len(differences))
-    active = differences[x > 0.0]
-    base, edges = active[0], (active[1:] - active[0]).T
-    if edges.shape[1] == 0:
-        return float(np.linalg.norm(base))
-    share, *_ = np.linalg.lstsq(edges, -base, rcond=1e-12)
-    return float(np.linalg.norm(base + edges @ share))

@@ -18,8 +18,6 @@ KINDS = ("sphere", "capsule", "box", "ellipsoid", "hull")
 OUTLINES = ("plump", "plate", "needle")
 THIN = 1e-3
 """Thickness of a plate, and both thicknesses of a needle, relative to the length: the slivers of 1:1000."""
-NONE = -1
-"""Corner that an edge without a neighbouring face (the axis of a capsule) does not have."""
 
 
 @dataclass(frozen=True)
@@ -54,13 +52,13 @@ def draw_form(kind: str, outline: str, rng: np.random.Generator, corners: tuple[
     stretch = rng.uniform(0.3, 1.0, 3)
     stretch[rng.permutation(3)[: OUTLINES.index(outline)]] *= THIN
     if kind == "sphere":
-        return _rounded(kind, np.zeros((1, 3)), 0.5 * float(stretch.max()))
+        return _faceless(kind, np.zeros((1, 3)), 0.5 * float(stretch.max()))
     if kind == "capsule":
         radius = 0.5 * float(stretch[1]) if outline == "plump" else 0.5 * THIN
-        return _rounded(kind, np.array([[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]) * stretch.max(), radius)
+        return _faceless(kind, np.array([[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]) * stretch.max(), radius)
     if kind == "ellipsoid":
         rows = np.vstack([np.zeros(3), np.diag(0.5 * stretch)])
-        return Form(kind, rows, 0.0, np.zeros((0, 3), np.int64), np.zeros((0, 4), np.int64))
+        return _faceless(kind, rows, 0.0)
     if kind == "box":
         points = np.array(list(product((-0.5, 0.5), repeat=3)))
     else:
@@ -72,9 +70,8 @@ def draw_form(kind: str, outline: str, rng: np.random.Generator, corners: tuple[
     return Form(kind, points * stretch, 0.0, faces, edges)
 
 
-def _rounded(kind: str, rows: Array, radius: float) -> Form:
-    edges = np.array([[0, len(rows) - 1, NONE, NONE]], np.int64)
-    return Form(kind, rows, radius, np.zeros((0, 3), np.int64), edges)
+def _faceless(kind: str, rows: Array, radius: float) -> Form:
+    return Form(kind, rows, radius, np.zeros((0, 3), np.int64), np.zeros((0, 4), np.int64))
 
 
 def _faces_and_edges(points: Array) -> tuple[Ints, Ints]:
@@ -172,9 +169,6 @@ class Batch(NamedTuple):
     face: Ints
     """(nf, 3) corners, counted from the first row of their shape."""
     face_start: Ints
-    edge: Ints
-    """(ne, 4), likewise."""
-    edge_start: Ints
     seed: Array
     """(np, 3) the direction that the query starts with."""
     label: list[str]
@@ -301,8 +295,6 @@ def packed(pairs: list[tuple[Array, Form, Array, Form]], seeds: Array, labels: l
         shapes,
         np.ascontiguousarray(np.vstack([form.faces for form in forms])),
         _starts([len(form.faces) for form in forms]),
-        np.ascontiguousarray(np.vstack([form.edges for form in forms])),
-        _starts([len(form.edges) for form in forms]),
         np.ascontiguousarray(seeds),
         labels,
     )

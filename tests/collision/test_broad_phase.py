@@ -5,17 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avatarsim.collision.broad_phase import all_pairs, forget, insert, merge_ascending, remove, sort_ascending, sweep_and_prune
+from avatarsim.collision.broad_phase import all_pairs, forget, insert, remove, sweep_and_prune
 from avatarsim.collision.grid import (
-    BEYOND,
     LOOK,
     LOOKED,
     boxes_meet,
     cells_around,
-    first_cell,
-    half_cell,
-    last_cell,
-    level_of,
     link,
     make_sweep_memory,
     partners,
@@ -84,7 +79,7 @@ def test_bodies_that_keep_to_their_boxes_are_not_searched_for():
     assert (searched[:40] >= 2).all() and (searched[:40] < 10).all()
 
 
-def test_a_filter_that_changes_is_heeded_once_the_body_is_forgotten():
+def test_a_changed_filter_is_heeded_once_the_body_is_forgotten():
     boxes = np.tile([0.0, 0, 0, 1, 1, 1], (3, 1))
     wanted, memory = pair_filter([0, 0, OPEN]), make_sweep_memory(3, 9)
     assert both(boxes, wanted, memory) == (CONVERGED, 2)
@@ -120,7 +115,7 @@ def test_candidates_without_room_are_no_pairs_without_room():
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("sweeps", [0, 1, 3])
-def test_a_bound_that_is_not_finite_is_a_status_and_not_a_missing_pair(bad, sweeps):
+def test_a_bound_that_is_not_finite_is_a_status(bad, sweeps):
     good = np.tile([0.0, 0, 0, 1, 1, 1], (3, 1))
     wanted = pair_filter([OPEN] * 3)
     for column in range(6):
@@ -206,20 +201,6 @@ def test_a_fast_crowd_does_not_run_out_of_room_again_and_again():
     assert searched < 0.08 * 400 * 64
 
 
-PLACE = st.one_of(st.floats(-1e3, 1e3), st.floats(-1e12, 1e12), st.sampled_from([0.0, 0.25, -0.25, 1e5, 2.0**39]))
-LENGTH = st.one_of(st.floats(0.0, 10.0), st.floats(0.0, 1e11), st.integers(-30, 38).map(lambda power: 2.0**power))
-
-
-@given(PLACE, LENGTH, LENGTH, st.sampled_from([-1.0, -0.999999, 0.0, 0.5, 1.0]))
-@settings(deadline=None, max_examples=300)
-def test_a_search_looks_into_the_cell_of_every_box_that_meets(place: float, mine: float, theirs: float, where: float) -> None:
-    """Box 1 begins anywhere from one own length below box 0 up to its end: exactly touching ends are among the cases."""
-    other = place + where * (theirs if where < 0.0 else mine)
-    boxes = np.array([[place] * 3 + [place + mine] * 3, [other] * 3 + [other + theirs] * 3])
-    level = level_of(boxes, 1)
-    if level != BEYOND and boxes_meet(boxes, 0, 1):
-        cell = half_cell(boxes[1, 0], level) >> 1
-        assert first_cell(boxes, 0, 0, level) <= cell <= last_cell(boxes, 0, 0, level)
 
 
 @pytest.mark.parametrize(("length", "portions"), [(2.0, 1), (4.0, 2), (6.1, 3), (7.2, 4)])
@@ -243,29 +224,10 @@ def test_a_large_box_finds_everybody_once(length: float, portions: int, corner: 
     assert found > 0
 
 
-def test_boxes_that_touch_meet_and_one_that_is_no_number_meets_all() -> None:
+def test_boxes_that_touch_meet_and_nan_meets_all() -> None:
     """Bodies that comparisons cannot separate from others are not apart."""
     boxes = np.array([[0.0, 0, 0, 1, 1, 1], [1.0, 1, 1, 2, 2, 2], [0.0, 0, 0, 0, 0, 0], [0.5, 0.5, np.nextafter(1, 2), 1, 1, 2]])
     for i, j, meet in ((0, 1, True), (0, 2, True), (1, 2, False), (0, 3, False), (1, 3, True)):
         assert boxes_meet(boxes, i, j) == boxes_meet(boxes, j, i) == meet
     boxes[0] = np.nan
     assert boxes_meet(boxes, 0, 1) and boxes_meet(boxes, 1, 0)
-
-
-KEYS = st.lists(st.integers(0, 2**62), max_size=60)
-
-
-@given(KEYS, st.integers(0, 60))
-@settings(deadline=None)
-def test_sorts_the_first_keys_and_leaves_the_rest(keys: list[int], count: int) -> None:
-    found, count = np.array(keys, dtype=np.int64), min(count, len(keys))
-    sort_ascending(found, count)
-    assert found.tolist() == sorted(keys[:count]) + keys[count:]
-
-
-@given(KEYS, KEYS)
-@settings(deadline=None)
-def test_merges_what_is_new(keys: list[int], more: list[int]) -> None:
-    found = np.array(sorted(keys) + [-1] * len(more), dtype=np.int64)
-    merge_ascending(found, len(keys), np.array(sorted(more), dtype=np.int64), len(more))
-    assert found.tolist() == sorted(keys + more)

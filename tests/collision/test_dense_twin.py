@@ -68,14 +68,14 @@ def agree(found: Found, twins: list[Flying], samples: int = 400, exact: float = 
 @pytest.mark.parametrize("gyroscopic", [False, True])
 def test_tumbling_hulls(gyroscopic: bool) -> None:
     impacts = 0
-    for seed in range(6 if gyroscopic else 24):
+    for seed in range(3 if gyroscopic else 12):
         bodies, twins = pair_of_hulls(seed)
         found = TwoBodies(*bodies, gyroscopic=gyroscopic).first_contact(END, acceleration_b=(0.0, 0.0, -9.81))
         if not gyroscopic:
             twins = [Flying(x.points, x.position, x.turn, x.velocity, x.spin, x.pull) for x in twins]
         # the twin that tumbles is integrated numerically, to about 1e-11
         impacts += agree(found, twins, exact=1e-10 if gyroscopic else 1e-13)
-    assert impacts >= (4 if gyroscopic else 12)
+    assert impacts >= (2 if gyroscopic else 6)
 
 
 def test_grazing_hulls() -> None:

@@ -11,7 +11,7 @@ from avatarsim.collision.epa import cone_to, epa, find_horizon, grow_tetrahedron
 from avatarsim.collision.gjk import WHOLE, add_support, gjk
 from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.status import CONVERGED, OUT_OF_ITERATIONS
-from tests.collision.solids import NO_SEED, SCRATCH, as_arrays, ball, box, capsule, ellipsoid, exact_core_depth, random_hull
+from tests.collision.solids import NO_SEED, SCRATCH, as_arrays, ball, box, capsule, ellipsoid
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 
@@ -20,13 +20,6 @@ def run(a, b, seed=NO_SEED):
     vertices, shapes = as_arrays(a, b)
     _, _, _, count = gjk(vertices, shapes, 0, 1, NO_SEED, inf, SCRATCH)
     return epa(vertices, shapes, 0, 1, seed, count, SCRATCH)
-
-
-def test_depth_of_boxes_in_closed_form():
-    status, m, depth, _, _ = run(box(0.5, 0.5, 0.5), box(0.5, 0.5, 0.5).moved(shift=(0.1, 0.2, 0.7)))
-    assert status == CONVERGED
-    assert depth == pytest.approx(0.3, abs=1e-15)
-    np.testing.assert_allclose(m, (0.0, 0.0, 1.0), atol=1e-15)
 
 
 def test_an_origin_outside_gets_a_negative_depth_that_proves_it():
@@ -51,21 +44,11 @@ def test_flat_differences_have_depth_zero_across_them(seed):
         assert np.dot(m, seed) <= 1e-15
 
 
-def test_concentric_balls_made_as_ellipsoids_are_beyond_epa_alone_which_says_so():
+def test_concentric_round_ellipsoids_run_out_of_iterations():
     status, m, depth, _, _ = run(ellipsoid(0.5, 0.5, 0.5), ellipsoid(0.3, 0.3, 0.3))
     assert status == OUT_OF_ITERATIONS
     assert depth == pytest.approx(0.8, abs=1e-12)
     assert np.linalg.norm(m) == pytest.approx(1.0, abs=1e-14)
-
-
-def test_deep_hulls_equal_qhull():
-    rng = np.random.default_rng(11)
-    for _ in range(10):
-        turn = Rotation.from_quat(rng.normal(size=4))
-        a, b = random_hull(rng, 15), random_hull(rng, 15).moved(turn, rng.normal(size=3) * 0.05)
-        status, _, depth, _, _ = run(a, b)
-        assert status == CONVERGED
-        assert depth == pytest.approx(exact_core_depth(a, b), abs=1e-12)
 
 
 def grown(points):
@@ -129,17 +112,6 @@ def test_a_horizon_that_does_not_close_is_noticed():
     above = scratch.normal[:faces] @ np.array(apex) - scratch.height[:faces]
     edges, marked = find_horizon(int(above.argmax()), apex, 1e-12, scratch)
     assert not cone_to(8, edges - 1, marked, faces, scratch)[0]
-
-
-def test_every_edge_is_shared_by_the_face_said_to_be_across_it():
-    scratch, faces = grown(np.random.default_rng(7).normal(size=(30, 3)))
-    for f in np.flatnonzero(scratch.alive[:faces] == 1):
-        for e in range(3):
-            other = scratch.across[f, e]
-            assert scratch.alive[other] == 1
-            edge = (scratch.corner[f, e], scratch.corner[f, (e + 1) % 3])
-            back = [(scratch.corner[other, (i + 1) % 3], scratch.corner[other, i]) for i in range(3)]
-            assert edge in back
 
 
 TURN = Rotation.from_rotvec([0.3, 1.1, -0.4])

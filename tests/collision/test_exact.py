@@ -1,4 +1,4 @@
-"""10,080 stratified pairs, and pairs once wrong, against exact answers (see judged.py), which notice wrong ones."""
+"""6,300 stratified pairs, and pairs once wrong, against exact answers (see judged.py), which notice wrong ones."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from tests.collision.judged import RELATIVE, SCRATCH, ULPS, judge, tally
 from tests.collision.strata import BATCH, PLACES, STRATA, draw
 
 BATCHES = {"large": 1}
-"""Batches of a stratum; of the others 14."""
+"""Batches of a stratum; of the others 8."""
 
 LOST = {
     "parallel/1/600/56": "GJK took a gap of 2.6e-9 of the size for none",
@@ -31,7 +31,7 @@ LOST = {
 
 @pytest.mark.parametrize("stratum", STRATA)
 def test_every_pair_is_right_to_a_billionth_of_its_size(stratum):
-    batches = BATCHES.get(stratum, 14)
+    batches = BATCHES.get(stratum, 8)
     found = tally(stratum, 0, range(batches), batches * BATCH)
     assert found.failures == []
     assert found.statuses == {} and found.wrong_signs == 0 and found.pairs == batches * BATCH
@@ -40,29 +40,14 @@ def test_every_pair_is_right_to_a_billionth_of_its_size(stratum):
 @pytest.mark.parametrize("label", LOST)
 def test_a_pair_once_lost_is_right(label):
     stratum, seed, number, pair = label.split("/")
-    verdict = judge(draw(stratum, int(seed), int(number)), int(pair), by_qhull=True)
+    verdict = judge(draw(stratum, int(seed), int(number)), int(pair))
     assert verdict.failures == [], LOST[label]
-
-
-@pytest.mark.parametrize("stratum", STRATA)
-def test_a_stratum_is_drawn_the_same_again_and_is_what_it_says(stratum):
-    first, again = draw(stratum, 5, 2), draw(stratum, 5, 2)
-    np.testing.assert_array_equal(first.vertices, again.vertices)
-    assert first.label == again.label and len(first.label) == BATCH
-    assert np.isfinite(first.vertices).all()
-    counts = np.diff(first.shapes.start)
-    assert counts.max() <= 64 if stratum != "large" else 64 < counts.max() <= 300
-    # moving both shapes to the origin lost no bit
-    rows, centre = first.shapes.start, first.centre
-    for k in range(BATCH):
-        here = slice(rows[2 * k], rows[2 * k] + 1)
-        np.testing.assert_array_equal(first.centred[here] + centre[k], first.vertices[here])
-    assert (np.abs(first.vertices).max() > 9e4) == (stratum in ("far", "smooth-deep"))
 
 
 def test_the_places_overlap_or_not_as_named():
     for place in PLACES:
-        gaps = np.array([gap_of(draw(place, 1, 0), k) for k in range(BATCH)])
+        batch = draw(place, 1, 0)
+        gaps = np.array([gap_of(batch, k) for k in range(BATCH)])
         if place == "apart":
             assert (gaps > 0.0).all()
         elif place == "shallow":
@@ -159,7 +144,7 @@ def test_a_rigid_motion_and_a_scale_change_nothing_but_the_frame(stratum, number
 
 
 @given(st.sampled_from(PLACED), st.integers(0, 3), st.integers(0, BATCH - 1), st.integers(0, 2**32 - 1))
-def test_moving_one_shape_changes_the_gap_by_no_more_than_it_was_moved(stratum, number, k, seed):
+def test_a_moved_shape_changes_the_gap_by_at_most_its_way(stratum, number, k, seed):
     vertices, shapes, a, b = one_pair(stratum, number, k)
     rng = np.random.default_rng(seed)
     size = max(shapes.extent[a], shapes.extent[b])

@@ -16,16 +16,14 @@ from avatarsim.collision.conservative_advancement import (
     ROUNDS,
     SPENT,
     STAND_OFF,
-    UNKNOWN,
-    time_of_impact,
 )
 from avatarsim.collision.first_contact import Budget, Found, TwoBodies
 from avatarsim.collision.motion_bounds import earliest_touch
 from avatarsim.collision.path import FREE, STILL
 from avatarsim.errors import InvalidInput
-from avatarsim.scene.body import Body, fixed
+from avatarsim.scene.body import Body, fixed, simulated, solid
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
-from tests.rigid.upper_world import World, ball, thing
+from tests.rigid.upper_world import World, ball, first_impact, thing
 
 G = 9.81
 LATE = 1e-15
@@ -46,14 +44,6 @@ def met(found: Found, expected: float, closing: float) -> None:
     assert found.gap >= STAND_OFF * (1.0 - 1e-6)
 
 
-@pytest.mark.parametrize("speed", [2.0, 5.0, 10.0, 30.0, 100.0, 300.0, 1000.0])
-def test_a_ball_and_a_thin_wall(speed: float) -> None:
-    for x in np.linspace(0.02, 0.02 + speed / 60.0, 20):
-        found = TwoBodies(wall(), ball("ball", (x, 0.0, 0.0), 0.01, velocity=(-speed, 0.0, 0.0))).first_contact(1.0)
-        met(found, (x - 0.015) / speed, speed)
-        assert abs(found.contact - (x - 0.015) / speed) <= 1e-9
-
-
 @pytest.mark.parametrize("offset", [0.0, 1e-3])
 def test_parallel_faces_that_approach(offset: float) -> None:
     """Also when they are exactly above each other, and when the gap is opened by the other body's flight."""
@@ -62,29 +52,6 @@ def test_parallel_faces_that_approach(offset: float) -> None:
     met(pair.first_contact(1.0, acceleration_b=(0.0, 0.0, -G)), np.sqrt(2.0 / G), np.sqrt(2.0 * G))
     both = pair.first_contact(1.0, acceleration_a=(0.0, 0.0, -G), acceleration_b=(0.0, 0.0, -G))
     assert both.outcome == CLEAR and both.time == 1.0
-
-
-def test_edges_that_cross_and_end_in_the_air() -> None:
-    """Two crossed edges, one rocking: the ends of the edge come down faster than the point that touches."""
-    c, s = np.cos(np.pi / 8.0), np.sin(np.pi / 8.0)
-    low = thing("low", Box((1.0, 0.2, 0.2)), (0.0, 0.0, 0.0), orientation=(c, s, 0.0, 0.0))
-    high = thing(
-        "high", Box((0.2, 1.0, 0.2)), (0.0, 0.0, 0.3), orientation=(c, 0.0, s, 0.0), velocity=(0.0, 0.0, -2.0),
-        angular_velocity=(20.0, 0.0, 0.0),
-    )
-    found = TwoBodies(low, high, gyroscopic=False).first_contact(0.1)
-
-    def height(t: float) -> float:
-        # the lower edge of `high` is a line at distance d from its centre; over y = 0 it is d / cos(angle) below
-        d = 0.1 * np.sqrt(2.0)
-        return float(0.3 - 2.0 * t - d / np.cos(20.0 * t) - d)
-
-    low_t, high_t = 0.0, 0.03
-    for _ in range(100):
-        middle = 0.5 * (low_t + high_t)
-        low_t, high_t = (middle, high_t) if height(middle) > 0.0 else (low_t, middle)
-    met(found, high_t, 2.0)
-    assert abs(found.contact - high_t) <= 1e-9
 
 
 def test_a_slow_graze() -> None:
@@ -99,9 +66,9 @@ def test_a_slow_graze() -> None:
     assert near.outcome == IMPACT and near.contact == np.inf, "within the stand-off, but the surfaces do not meet"
 
 
-@pytest.mark.parametrize(("above", "touches"), [(1e-6, True), (1e-9, True), (-1e-9, False), (-1e-6, None)])
+@pytest.mark.parametrize(("above", "touches"), [(1e-6, True), (1e-9, True), (0.0, True), (-1e-9, False), (-1e-6, None)])
 def test_an_apex_that_just_touches(above: float, touches: bool | None) -> None:
-    """A ball thrown at a ceiling; the parabola's top is `above` it: two roots that are nearly one."""
+    """A ball thrown at a ceiling; the parabola's top is `above` it: two roots that are nearly one, or one."""
     speed, radius = 2.0, 0.1
     top = speed**2 / (2.0 * G)
     ceiling = fixed("ceiling", (Piece(Box((2.0, 2.0, 0.1))),), "m", (0.0, 0.0, top - above + radius + 0.05))
@@ -112,7 +79,8 @@ def test_an_apex_that_just_touches(above: float, touches: bool | None) -> None:
         assert found.outcome == CLEAR
     else:
         assert found.outcome == IMPACT
-        assert found.time == pytest.approx((speed - np.sqrt(2.0 * G * (above + STAND_OFF))) / G, abs=1e-7 / np.sqrt(above % 1.0))
+        late = 1e-7 / np.sqrt(above % 1.0) if above else 1e-6
+        assert found.time == pytest.approx((speed - np.sqrt(2.0 * G * (above + STAND_OFF))) / G, abs=late)
         first = (speed - np.sqrt(2.0 * G * above)) / G if touches else np.inf
         assert found.contact <= first
         assert found.contact == (pytest.approx(first, abs=1e-5) if touches else np.inf)
@@ -191,11 +159,8 @@ def test_a_hundred_kilometres_from_the_origin(speed: float) -> None:
 
 def test_the_earliest_of_several_pieces() -> None:
     """A dumb-bell whose far end is thicker; a wall of two slabs, the nearer one named by its number."""
-    bell = thing("bell", Sphere(0.02), (0.0, 0.0, 0.0))
     pieces = (Piece(Sphere(0.02), (0.0, 0.0, -0.2)), Piece(Sphere(0.05), (0.0, 0.0, 0.2)))
-    from avatarsim.scene.body import solid
-
-    bell = Body("bell", bell.role, pieces, "m", (1.0, 0.0, 0.0), mass=solid(pieces, 1.0), velocity=(-3.0, 0.0, 0.0))
+    bell = simulated("bell", pieces, "m", solid(pieces, 1.0), (1.0, 0.0, 0.0), velocity=(-3.0, 0.0, 0.0))
     slabs = (Piece(Box((0.1, 1.0, 1.0)), (0.0, 0.0, -0.5)), Piece(Box((0.1, 1.0, 1.0)), (0.02, 0.0, 0.5)))
     found = TwoBodies(fixed("slabs", slabs, "m"), bell).first_contact(1.0)
     met(found, (1.0 - 0.05 - 0.05 - 0.02) / 3.0, 3.0)
@@ -261,54 +226,28 @@ def test_earliest_touch_is_the_first_root(gap: float, v: float, a: float) -> Non
     assert np.all(gap + v * between + 0.5 * a * between**2 >= -1e-9 * (1.0 + gap))
 
 
-def search(world: World, h: float) -> tuple[int, float]:
-    """Return the first event of the two bodies in free flight within h seconds."""
-    m = world.memory
-    m.paths.kind[:] = np.where(world.dynamics.role == 1, FREE, 0)
-    m.paths.linear[:] = np.where((world.dynamics.role == 1)[:, None], world.dynamics.gravity, 0.0)
-    m.paths.time[:] = -1.0
-    outcome, t, _ = time_of_impact(
-        world.geometry, world.poses, world.velocities.linear, world.velocities.angular, m.paths, m.series, m.reach, 0, 1, 0.0, h,
-        UNKNOWN, 1.0, m.trial, m.a_rows, m.b_rows, m.edges, m.scratch,
-    )
-    return outcome, t
-
-
 @pytest.mark.parametrize("shape", [Sphere(0.1), Box((0.2, 0.2, 0.2))])
-def test_who_stopped_on_a_path_that_goes_on_is_met_by_who_still_falls(shape: Sphere | Box) -> None:
+def test_a_body_that_stopped_is_met_by_one_that_falls(shape: Sphere | Box) -> None:
     """Two bodies that fall together keep their distance; once the lower one has stopped, its acceleration is no body's."""
     gap = 0.01
     bodies = [thing("lower", shape, (0.0, 0.0, 0.5)), thing("upper", shape, (0.0, 0.0, 0.7 + gap))]
     world = World(bodies, gravity=(0.0, 0.0, -10.0))
-    m = world.memory
-    assert search(world, 0.2) == (CLEAR, 0.2)
-    m.paths.kind[0], m.paths.time[:] = STILL, -1.0
-    outcome, t, _ = time_of_impact(
-        world.geometry, world.poses, world.velocities.linear, world.velocities.angular, m.paths, m.series, m.reach, 0, 1, 0.0,
-        0.2, UNKNOWN, 1.0, m.trial, m.a_rows, m.b_rows, m.edges, m.scratch,
-    )
+    paths = world.memory.paths
+    paths.kind[:], paths.linear[:], paths.time[:] = FREE, world.dynamics.gravity, -1.0
+    assert first_impact(world, world.poses, world.velocities, 0.0, 0.2)[:2] == (CLEAR, 0.2)
+    paths.kind[0], paths.time[:] = STILL, -1.0
+    outcome, t, _ = first_impact(world, world.poses, world.velocities, 0.0, 0.2)
     assert outcome == IMPACT
     assert t == pytest.approx(np.sqrt(2.0 * (gap - STAND_OFF) / 10.0), abs=1e-6)
 
 
 @pytest.mark.nojit
 @pytest.mark.parametrize("gap", [1e-18, 1e-16, 1e-12, 1e-6])
-def test_a_body_thrown_up_from_the_ground_comes_back_when_it_does(gap: float) -> None:
+def test_a_body_thrown_up_comes_back_in_time(gap: float) -> None:
     """From 0.05 m/s the way back takes 2 v / g; a gap of rounding size made it 7 microseconds late."""
     v, g = 0.04893894, 9.81
     expected = (v + (v * v + 2.0 * g * gap) ** 0.5) / g
     assert earliest_touch(gap, v, -g, 1.0) == pytest.approx(expected, rel=1e-14)
-
-
-def test_an_exact_double_root_is_not_missed() -> None:
-    speed = 2.0
-    top = speed**2 / (2.0 * G)
-    ceiling = fixed("ceiling", (Piece(Box((2.0, 2.0, 0.1))),), "m", (0.0, 0.0, top + 0.1 + 0.05))
-    found = TwoBodies(ceiling, ball("ball", (0.0, 0.0, 0.0), velocity=(0.0, 0.0, speed))).first_contact(
-        0.4, acceleration_b=(0.0, 0.0, -G)
-    )
-    assert found.outcome == IMPACT and found.time <= found.contact <= speed / G
-    assert found.time == pytest.approx(speed / G, abs=1e-4)
 
 
 def test_a_horizon_of_nothing() -> None:

@@ -7,54 +7,25 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
 
 from avatarsim.collision.gjk import (
     closest_on_segment,
     closest_on_tetrahedron,
     closest_on_triangle,
-    closest_points,
     gjk,
     upright,
 )
-from avatarsim.collision.status import CONVERGED, NOT_FINITE
+from avatarsim.collision.status import NOT_FINITE
 from tests.collision.solids import (
     NO_SEED,
     SCRATCH,
     as_arrays,
     ball,
     box,
-    dumb_core_distance,
     ellipsoid,
-    exact_core_depth,
-    random_hull,
 )
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
-
-
-def run(a, b, seed=NO_SEED, margin=inf):
-    vertices, shapes = as_arrays(a, b)
-    status, n, distance, count = gjk(vertices, shapes, 0, 1, seed, margin, SCRATCH)
-    return status, np.array(n), distance, count
-
-
-def test_distance_of_hulls_equals_least_squares_over_all_convex_combinations():
-    rng = np.random.default_rng(5)
-    apart = 0
-    for _ in range(20):
-        a = random_hull(rng, 15)
-        b = random_hull(rng, 15).moved(Rotation.from_quat(rng.normal(size=4)), rng.normal(size=3))
-        status, n, distance, count = run(a, b)
-        assert status == CONVERGED
-        if exact_core_depth(a, b) > 0.0:
-            assert distance == 0.0
-            continue
-        apart += 1
-        assert distance == pytest.approx(dumb_core_distance(a, b), abs=1e-9)
-        on_a, on_b = closest_points(count, SCRATCH)
-        np.testing.assert_allclose(np.subtract(on_a, on_b), distance * n, atol=1e-12)
-    assert apart > 5
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
@@ -102,13 +73,13 @@ def test_segment(a, b):
 
 
 @given(point, point, point)
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=150, deadline=None)
 def test_triangle(a, b, c):
     check((a, b, c), *closest_on_triangle(a, b, c))
 
 
 @given(point, point, point, point)
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=150, deadline=None)
 def test_tetrahedron(a, b, c, d):
     inside, p, share = closest_on_tetrahedron(a, b, c, d)
     check((a, b, c, d), p, share)
@@ -116,7 +87,7 @@ def test_tetrahedron(a, b, c, d):
         assert min(share) > 0.0
 
 
-def test_the_direction_stays_right_far_below_the_rounding_of_the_corners():
+def test_the_direction_is_right_far_below_rounding():
     height = 1e-14
     p, _ = closest_on_triangle((1.0, 0.3, height), (-0.7, 0.9, height), (-0.1, -1.0, height))
     assert p == pytest.approx((0.0, 0.0, height), rel=1e-6)

@@ -66,7 +66,7 @@ def check_against_generic(a, b):
 
 
 @given(point, point, point, point)
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=100)
 def test_segments_and_points_in_any_position(p, q, r, s):
     a, b = segment(p, q, 0.1), segment(r, s, 0.2)
     check_against_generic(a, b)
@@ -97,7 +97,7 @@ def test_a_point_and_a_box_outside_and_inside(scale):
         assert check_against_generic(b, a)
 
 
-def test_a_sheared_box_is_answered_inside_only_and_everywhere_rightly():
+def test_answers_a_sheared_box_inside_only_and_rightly():
     b = Solid(box(0.5, 0.4, 0.3).rows @ np.array([[1.0, 0.0, 0.0], [0.3, 1.0, 0.1], [0.0, 0.0, 1.0]]))
     rng = np.random.default_rng(42)
     for mirrored in (b, Solid(b.rows * (1.0, -1.0, 1.0))):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
 
 from avatarsim.collision.signed_distance import signed_distance, signed_distance_up_to
 from avatarsim.collision.status import CONVERGED, NOT_FINITE
@@ -41,54 +40,8 @@ def test_ball_and_ball(x, y, r, s):
     np.testing.assert_allclose(on_a, np.array([x, y, 0.3]) - r * n, atol=1e-12)
 
 
-def test_ball_and_box_outside_at_a_face_an_edge_a_corner_and_inside():
-    b, r = box(1.0, 2.0, 3.0), 0.25
-    for centre, core, n in (
-        ((1.5, 0.1, 0.2), 0.5, (1, 0, 0)),
-        ((1.3, 2.4, 0.2), 0.5, (0.6, 0.8, 0)),
-        ((2.0, 4.0, 5.0), 3.0, (1 / 3, 2 / 3, 2 / 3)),
-        ((0.9, 0.1, 0.2), -0.1, (1, 0, 0)),
-        ((0.0, 0.1, -2.5), -0.5, (0, 0, -1)),
-    ):
-        status, gap, normal, _, on_b = ask(ball(r).moved(shift=centre), b)
-        assert status == CONVERGED
-        assert gap == pytest.approx(core - r, abs=1e-13)
-        np.testing.assert_allclose(normal, n, atol=1e-12)
-        np.testing.assert_allclose(on_b, np.array(centre) - core * normal, atol=1e-12)
-
-
-def test_capsule_and_capsule_crossed_parallel_and_in_line():
-    a = capsule(0.2, 1.0)
-    quarter = Rotation.from_rotvec([0.0, 0.0, np.pi / 2])
-    for b, expected in (
-        (capsule(0.1, 1.0).moved(quarter, (0.3, 0.2, 0.7)), 0.7 - 0.3),
-        (capsule(0.1, 1.0).moved(None, (0.3, 0.0, 0.7)), 0.7 - 0.3),
-        (capsule(0.1, 1.0).moved(None, (2.5, 0.0, 0.0)), 0.5 - 0.3),
-        (capsule(0.1, 1.0).moved(None, (1.5, 0.0, 0.0)), -0.3),
-        (capsule(0.1, 1.0).moved(quarter, (0.3, 0.2, 0.0)), -0.3),
-        (a, -0.4),
-    ):
-        status, gap, n, on_a, on_b = ask(a, b)
-        assert status == CONVERGED
-        assert gap == pytest.approx(expected, abs=1e-13)
-        np.testing.assert_allclose(on_a - on_b, gap * n, atol=1e-13)
-
-
-@pytest.mark.parametrize("height", [1.0, 0.45, 0.4, 0.35, 0.1])
-def test_ellipsoid_and_floor(height):
-    turn, axes = Rotation.from_rotvec([0.4, -0.7, 0.2]), np.array([0.5, 0.3, 0.2])
-    half = np.linalg.norm(axes * turn.as_matrix()[2])
-    status, gap, n, on_a, _ = ask(
-        ellipsoid(*axes).moved(turn, (0.1, 0.2, height)), box(3.0, 3.0, 2.0).moved(shift=(0, 0, -2))
-    )
-    assert status == CONVERGED
-    assert gap == pytest.approx(height - half, abs=3e-9)
-    np.testing.assert_allclose(n, (0, 0, 1), atol=1e-4)
-    assert on_a[2] == pytest.approx(height - half, abs=3e-9)
-
-
 @pytest.mark.parametrize("seed", [NO_SEED, (1.0, 2.0, -2.0)])
-def test_coincident_centres_give_the_same_finite_unit_normal_every_time(seed):
+def test_coincident_centres_give_the_same_finite_unit_normal(seed):
     for a in (ball(0.4), capsule(0.4, 1.0), ellipsoid(0.4, 0.4, 0.4), box(0.4, 0.4, 0.4)):
         first = ask(a, a, seed)
         assert np.linalg.norm(first[2]) == pytest.approx(1.0, abs=1e-12)
@@ -106,7 +59,7 @@ def test_a_nan_pose_is_a_status_and_never_apart():
     assert signed_distance_up_to(vertices, shapes, 0, 1, NO_SEED, 0.0, SCRATCH)[0] == NOT_FINITE
 
 
-def test_the_same_question_gives_the_same_bits_whatever_was_asked_before():
+def test_answers_do_not_depend_on_earlier_questions():
     rng = np.random.default_rng(26)
     a, b = random_hull(rng), random_hull(rng).moved(shift=(0.2, 0.1, 0.3))
     vertices, shapes = as_arrays(a, b)
@@ -142,12 +95,3 @@ def test_concentric_and_nearly_so(shift, scale):
     ):
         gap = checked_both_ways(a.moved(scale=scale), b.moved(scale=scale, shift=np.array(shift) * scale)) / scale
         assert gap == pytest.approx(-depth, abs=RELATIVE + 2.0 * np.linalg.norm(shift))
-
-
-def test_needles_and_plates():
-    for a, b, depth in (
-        (ellipsoid(1.0, 1e-3, 1e-3), ellipsoid(1e-3, 1.0, 1e-3), 2e-3),
-        (ellipsoid(1.0, 1.0, 1e-3), ellipsoid(1e-3, 1.0, 1.0), 1.001),
-        (ellipsoid(1.0, 1.0, 1e-3), box(1.0, 1.0, 1e-3), 2e-3),
-    ):
-        assert checked_both_ways(a, b) == pytest.approx(-depth, abs=RELATIVE)

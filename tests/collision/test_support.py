@@ -24,7 +24,7 @@ def test_points_support_is_the_farthest_vertex():
             assert reach(vertices, shapes, s, tuple(d)) == pytest.approx((solid.rows @ d).max(), abs=1e-15)
 
 
-def test_ellipsoid_support_is_on_the_surface_and_beats_every_sampled_point():
+def test_ellipsoid_support_beats_every_sampled_point():
     rng = np.random.default_rng(2)
     turn = Rotation.from_quat(rng.normal(size=4))
     solid = ellipsoid(0.5, 0.2, 0.1).moved(turn, (1.0, -2.0, 3.0))
@@ -46,7 +46,7 @@ def test_ellipsoid_support_along_zero_is_its_centre():
     assert support(vertices, shapes, 0, (0.0, 0.0, 0.0)) == ((1.0, 2.0, 3.0), 0)
 
 
-def test_gap_along_is_the_signed_gap_of_the_two_shadows_radii_included():
+def test_gap_along_is_the_signed_gap_of_two_shadows():
     vertices, shapes = as_arrays(ball(0.2).moved(shift=(0.0, 0.0, 1.0)), box(0.5, 0.5, 0.3))
     assert gap_along(vertices, shapes, 0, 1, (0.0, 0.0, 1.0)) == pytest.approx(0.5, abs=1e-15)
     assert gap_along(vertices, shapes, 1, 0, (0.0, 0.0, -1.0)) == pytest.approx(0.5, abs=1e-15)
@@ -79,15 +79,8 @@ def test_the_lowest_row_of_those_with_the_largest_product(many):
         assert largest(rows, 5, 5 + many, d) == products.max()
 
 
-@pytest.mark.parametrize("many", [1, 2, 3, 40])
-def test_a_first_row_that_is_no_number_reaches_the_largest_product(many):
-    rows = np.ones((many, 3))
-    rows[0] = np.nan
-    assert np.isnan(largest(rows, 0, many, (1.0, 0.0, 0.0)))
-
-
 @pytest.mark.parametrize(("toward", "count"), [((0.0, 0.0, 1.0), 4), ((1.0, 1.0, 0.0), 2), ((1.0, 0.5, 0.25), 1)])
-def test_foremost_corners_are_those_of_a_face_an_edge_or_a_corner(toward, count):
+def test_foremost_corners_are_those_of_face_edge_or_corner(toward, count):
     vertices, shapes = as_arrays(box(0.5, 0.5, 0.5))
     ahead = vertices @ np.array(toward)
     corners = vertices[ahead >= ahead.max() - 1e-9]
@@ -99,11 +92,14 @@ def test_foremost_corners_are_those_of_a_face_an_edge_or_a_corner(toward, count)
         assert second == tuple(corners[0]) and first == (0.0, 0.0, 0.0)
 
 
-@pytest.mark.parametrize("many", [3, 40])
-def test_of_nothing_but_nan_the_first_row(many):
+@pytest.mark.parametrize("many", [1, 2, 3, 40])
+def test_rows_of_nan(many):
+    """Of nothing but these the first is farthest; as the first of sound ones it reaches the largest product."""
     rows = np.full((many, 3), np.nan)
     assert farthest(rows, 0, many, (1.0, 0.0, 0.0)) == 0
     assert farthest(np.ones((many, 3)), 0, many, (np.nan, 0.0, 0.0)) == 0
+    rows[1:] = 1.0
+    assert np.isnan(largest(rows, 0, many, (1.0, 0.0, 0.0)))
 
 
 @pytest.mark.parametrize("many", [3, 4, 40])

@@ -56,7 +56,7 @@ def drawn_lift(seed: int) -> Lift:
     return Lift(box, mass, friction, random.uniform(0.3, 0.34), random.uniform(0.2, 0.4) * box[2], into, random.uniform(0.9, 1.2))
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(8))
 def test_both_hands_lift_a_drawn_box(seed: int) -> None:
     """It rises with its user, less the sag of m g / 2 K and the rolling of the hands on its sides. Nothing overlaps."""
     lift, engine = drawn_lift(seed), AvatarsimEngine()
@@ -198,9 +198,8 @@ def test_drawn_hands_overlap_nothing(seed: int) -> None:
     law = PairTable({("m", "m"): ContactLaw(0.5 * (seed % 2), random.uniform(0.2, 0.9))})
     engine, dt = AvatarsimEngine(), (1.0 / 30.0, 1.0 / 60.0, 1.0 / 90.0, 1.0 / 240.0)[seed % 4]
     engine.load(Scene("drawn", (floor, *bodies), (avatar,), materials=law, start=sample(0.0)), Settings(), dt)
-    world = engine._running().world
-    pairs, scratch = wanted_pairs(world.geometry), make_scratch()
+    judge = Judge(engine._running().world)
     for k in range(round(2.5 / dt)):
         shown = engine.advance(sample((k + 1) * dt), dt).shown
-        assert np.isfinite(shown.positions).all()
-        assert least_gap(world.poses.vertices, world.geometry.shapes, pairs, scratch) >= -1e-6
+        judge.see()
+        assert np.isfinite(shown.positions).all() and judge.gap >= -1e-6

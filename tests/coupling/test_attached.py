@@ -249,7 +249,7 @@ def test_a_person_with_a_box_walks_into_a_wall(mass: float) -> None:
 AROUND_Z = Hinges((Hinge((0.0, 0.0, 1.0), -2.0, 2.0),))
 
 
-def test_a_body_on_the_floor_that_turns_about_an_upright_hinge_stays_finite() -> None:
+def test_a_body_on_an_upright_hinge_on_the_floor_stays_finite() -> None:
     """Its contacts with the floor cannot move at all."""
     piece = (Piece(Box((0.1, 0.1, 0.1)), (0.06, 0.0, 0.0)),)
     arm = Avatar("arm", (Link("p", None, AROUND_Z, piece, solid(piece, 1.0), "m", (0.0, 0.0, 0.3)),), size_range=(0.0, 100.0))
@@ -282,7 +282,7 @@ def test_bodies_on_two_links_that_touch_stay_finite() -> None:
 
 
 @pytest.mark.parametrize("narrow", ["coupling", "dynamics", "overlap_removal"])
-def test_a_change_that_could_not_hold_what_is_attached_is_refused_and_changes_nothing(narrow: str) -> None:
+def test_refuses_changes_that_cannot_hold_what_is_attached(narrow: str) -> None:
     engine, scene = begun(cube(1.0), cube(1.0, (1.0, 0.0, 0.05), "other"))
     engine.attach("cube", "fist")
     engine.attach("other", "fist")

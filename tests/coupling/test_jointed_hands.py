@@ -133,12 +133,12 @@ def held_through(grip: Grip) -> None:
     assert np.linalg.norm(record.shown.velocities[1]) < 1e-3
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(8))
 def test_a_hand_lifts_a_mug_tilts_it_and_sets_it_down(seed: int) -> None:
     held_through(mug_grip(seed))
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_a_gripper_of_hinges_does_the_same(seed: int) -> None:
     held_through(gripper(seed))
 
@@ -256,13 +256,13 @@ def test_ball_joints_linearise_their_limits() -> None:
     assert seen > 100
 
 
-def test_a_ball_at_its_limit_may_turn_where_its_linearised_limits_allow() -> None:
+def test_a_ball_at_its_limit_turns_where_linearised_it_may() -> None:
     """At an edge of cone, polygon or twist, where clipping leaves a ball: a small turn within the linearised limits stays inside,
     but for corners where three limits meet, of which two are linearised."""
     world = build(Scene("ball", (), (humanoid(),)))
     skel, random, corners = world.skeleton, np.random.default_rng(8), 0
     balls = [link for link in range(len(skel.kind)) if skel.kind[link] == BALL and has_cone(skel, link)]
-    for _ in range(2000):
+    for _ in range(500):
         link = int(random.choice(balls))
         outside = columns(Rotation.random(random_state=random).as_matrix()[None], 0)
         turn = inside_cone(skel, link, outside)
@@ -277,4 +277,4 @@ def test_a_ball_at_its_limit_may_turn_where_its_linearised_limits_allow() -> Non
             step += max(0.0, bound - np.dot(normal, step)) * np.array(normal) / max(1e-12, np.dot(normal, normal))
         turned = columns((Rotation.from_rotvec(step).as_matrix() @ np.array(turn).T)[None], 0)
         corners += cone_excess(skel, link, turned) > 1e-7
-    assert corners < 0.02 * 2000
+    assert corners < 0.02 * 500

@@ -128,7 +128,7 @@ class Found(NamedTuple):
     other: Scratch
 
 
-def test_records_and_tables_are_opened_as_they_were_packed_by_kernels_too() -> None:
+def test_opens_records_and_tables_as_packed_in_kernels_too() -> None:
     scratch, memory = make_scratch(), make_pair_memory(3)
     scratch.w[5], memory.axis[2], memory.twin[1, 4] = (1.0, 2.0, 3.0), (4.0, 5.0, 6.0), (7, 8, 9)
     words, (one, table, other) = pack(Found(scratch, memory, scratch))
@@ -204,7 +204,7 @@ def digits(words: np.ndarray) -> tuple[float, float]:
     return found, total + m.two.grid.shape[0] + m.turns.shape[0] + m.turns.strides[0] + m.flags.size
 
 
-def test_a_kernel_reads_every_kind_of_part_where_it_lies_also_when_the_words_were_moved() -> None:
+def test_a_kernel_reads_parts_where_they_lie_also_once_moved() -> None:
     scratch = make_scratch()
     scratch.w[3, 1] = 0.25
     grid, turns = np.arange(8.0).reshape(2, 4), np.arange(27.0).reshape(3, 3, 3)
@@ -234,31 +234,14 @@ class Rest(NamedTuple):
     line: Line
 
 
-def view_swapped() -> None:
-    """View a world as the working memory of a step, and the other way round: both raise, in plain Python and compiled."""
+def test_swapped_arenas_raise() -> None:
+    """A world viewed as the working memory of a step, and the other way round: both raise."""
     world = build(SCENE)
     upper = SimulatedLoop(world, paper=False, record=False)
     for wrong in ((upper.words, upper.words), (world.words, world.words), (upper.words, world.words)):
         with pytest.raises(ValueError, match="layout"):
             advance_opened(*wrong, 1.0 / 60.0)
     assert advance_opened(world.words, upper.words, 1.0 / 60.0) == DONE
-
-
-@pytest.mark.parametrize("compiled", [True, False])
-def test_swapped_arenas_raise(compiled: bool) -> None:
-    """In a process of its own where kernels are plain Python."""
-    if compiled:
-        view_swapped()
-    else:
-        plain("view_swapped")
-
-
-def plain(function: str) -> None:
-    """Run a function of this module with kernels in plain Python."""
-    code = f"from tests.jit.test_arena import {function}; {function}()"
-    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
 
 
 def open_everything() -> None:
@@ -274,4 +257,8 @@ def open_everything() -> None:
 
 
 def test_what_is_opened_is_what_was_packed_field_by_field() -> None:
-    plain("open_everything")
+    """In a process with kernels in plain Python, where swapped arenas raise too."""
+    code = "from tests.jit import test_arena; test_arena.open_everything(); test_arena.test_swapped_arenas_raise()"
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

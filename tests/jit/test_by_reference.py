@@ -110,5 +110,5 @@ def test_only_a_named_tuple_is_referred_to():
             of_a_number(1.0)
 
 
-def test_what_kernels_return_is_referred_to_where_each_call_left_it() -> None:
+def test_refers_to_what_each_call_of_a_kernel_returned() -> None:
     assert kept_apart(3) == 1.0 + 20.0 + 300.0 + 2000.0 + 30000.0

@@ -6,18 +6,22 @@ import pickle
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Thread
 
 import numpy as np
 import pytest
 
+from avatarsim.collision.epa import epa
+from avatarsim.collision.gjk import gjk
 from avatarsim.collision.support import support
 from avatarsim.jit import linking
 from avatarsim.jit.kernel import STOCK, WITHOUT_LOCK, entry_kernel, kernel
 from avatarsim.jit.linking import KernelDispatcher
-from tests.house import yardstick
-from tests.jit.kernel_package import make_package, plain_environment
+from tests.collision.solids import SCRATCH
+from tests.collision.strata import BATCH, draw
+from tests.jit.kernel_package import make_package, run_in
 
 LARGE = """from avatarsim.jit.kernel import kernel
 
@@ -60,28 +64,33 @@ print(json.dumps({{
 """
 
 
-@pytest.fixture
-def package(tmp_path):
-    """A package with a kernel of some hundred instructions and two that call it."""
-    root = make_package(tmp_path / "installed")
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory):
+    """The folder of a package with a kernel of some hundred instructions and two that call it, compiled, and what that said."""
+    folder = tmp_path_factory.mktemp("compiled")
+    root = make_package(folder / "installed")
     steps = "\n".join(f"    y = y * {1.0 + 1.0 / k} + x / (y + {k}.0)" for k in range(1, 90))
     (root / "large.py").write_text(LARGE.format(steps))
     (root / "caller.py").write_text(CALLER)
-    return root
+    return folder, ask(root, ["top"], folder / "cache")
 
 
-def process(package, names, cache):
-    kept = plain_environment(package, NUMBA_CACHE_DIR=str(cache))
-    command = [sys.executable, "-c", ASK.format(names=", ".join(names))]
-    return subprocess.Popen(command, env=kept, cwd=package.parent, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+@pytest.fixture
+def package(compiled, tmp_path):
+    """A copy of the package, and of its cache."""
+    shutil.copytree(compiled[0], tmp_path, dirs_exist_ok=True)
+    return tmp_path / "installed" / "avatarsim"
+
+
+@pytest.fixture
+def cache(package, tmp_path):
+    """The cache in which `top` has been compiled once."""
+    return tmp_path / "cache"
 
 
 def ask(package, names, cache):
     """Return the report of a process of its own on kernels that it calls."""
-    child = process(package, names, cache)
-    said, trouble = child.communicate()
-    assert child.returncode == 0, trouble
-    return json.loads(said)
+    return json.loads(run_in(package, ASK.format(names=", ".join(names)), NUMBA_CACHE_DIR=str(cache))[0])
 
 
 def plainly(x):
@@ -92,25 +101,24 @@ def plainly(x):
     return 3 * y + 6.0
 
 
-def test_a_large_kernel_is_called_by_name_and_compiled_for_no_constant_in_particular(package, tmp_path):
-    said = ask(package, ["top"], tmp_path / "cache")
+def test_a_large_kernel_is_called_by_name_for_any_constant(compiled):
+    said = compiled[1]
     assert said["values"][0] == pytest.approx(plainly(0.25), rel=1e-13)
     assert said["specialisations"] == 1
     assert said["by name"][0][0].startswith(linking.PREFIX + "avatarsim.large.large:")
 
 
-def test_what_python_calls_and_what_kernels_call_live_together_on_disk(package, tmp_path):
-    cache = tmp_path / "cache"
+def test_entries_and_called_kernels_live_together_on_disk(package, tmp_path):
+    cache = tmp_path / "empty"
     first = ask(package, ["top", "small"], cache)
-    for names in (["small", "top"], ["top", "small"], ["small"], ["top"]):
+    for names in (["small", "top"], ["small"], ["top"]):
         again = ask(package, names, cache)
         assert again["values"] == [first["values"][("top", "small").index(name)] for name in names]
         assert again["compiled"] == 0
 
 
-def test_a_small_kernel_is_kept_without_machine_code_and_inlined_from_disk(package, tmp_path):
-    cache = tmp_path / "cache"
-    first = ask(package, ["top"], cache)
+def test_a_small_kernel_is_kept_as_ir_and_inlined_from_disk(package, cache, compiled):
+    first = compiled[1]
     assert first["inlined"] == [True] and ask(package, ["top"], cache)["inlined"] == []
     gone = list(cache.rglob("top-*.kernel"))
     for file in gone:
@@ -120,39 +128,32 @@ def test_a_small_kernel_is_kept_without_machine_code_and_inlined_from_disk(packa
     assert again["inlined"] == [True] and again["compiled"] == 1
 
 
-def test_a_callee_that_is_gone_from_disk_is_compiled_again(package, tmp_path):
-    cache = tmp_path / "cache"
-    before = ask(package, ["top"], cache)
+def test_a_callee_that_is_gone_from_disk_is_compiled_again(package, cache, compiled):
     (gone,) = (folder for folder in (cache / "avatarsim-kernels").iterdir() if folder.name.endswith("large"))
     shutil.rmtree(gone)
     after = ask(package, ["top"], cache)
-    assert after["values"] == before["values"]
+    assert after["values"] == compiled[1]["values"]
     assert after["compiled"] == 1
 
 
-def test_a_changed_callee_is_never_called_under_its_old_name(package, tmp_path):
-    cache = tmp_path / "cache"
-    before = ask(package, ["top"], cache)["values"][0]
+def test_a_changed_callee_is_never_called_under_its_old_name(package, cache, compiled):
     text = (package / "large.py").read_text()
     (package / "large.py").write_text(text.replace("return y + n", "return y + n + 1.0"))
-    assert ask(package, ["top"], cache)["values"][0] == pytest.approx(before + 3.0, rel=1e-13)
+    assert ask(package, ["top"], cache)["values"][0] == pytest.approx(compiled[1]["values"][0] + 3.0, rel=1e-13)
 
 
 def test_processes_that_start_at_once_compile_each_kernel_once(package, tmp_path):
-    children = [process(package, ["top"], tmp_path / "cache") for _ in range(3)]
-    said = [json.loads(child.communicate()[0]) for child in children]
+    with ThreadPoolExecutor() as pool:
+        said = list(pool.map(ask, [package] * 3, [["top"]] * 3, [tmp_path / "empty"] * 3))
     assert sum(one["compiled"] for one in said) == 2  # `large` and `top`; `small` is not counted
     assert len({tuple(one["values"]) for one in said}) == 1
 
 
-def test_a_folder_that_is_gone_while_a_process_runs_costs_no_more_than_compiling(package, tmp_path):
-    cache = tmp_path / "cache"
+def test_a_folder_gone_in_mid_run_costs_compiling_only(package, tmp_path):
+    cache = tmp_path / "empty"
     gone = f"import shutil; from avatarsim.caller import small, top; small(0.5); shutil.rmtree({str(cache)!r})\n"
-    kept = plain_environment(package, NUMBA_CACHE_DIR=str(cache))
-    command = [sys.executable, "-c", gone + "print(top(0.25))"]
-    done = subprocess.run(command, env=kept, cwd=package.parent, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert float(done.stdout) == pytest.approx(plainly(0.25), rel=1e-13)
+    said, _ = run_in(package, gone + "print(top(0.25))", NUMBA_CACHE_DIR=str(cache))
+    assert float(said) == pytest.approx(plainly(0.25), rel=1e-13)
 
 
 def test_a_kernel_is_pickled_by_name():
@@ -197,13 +198,21 @@ def total(numbers: np.ndarray) -> float:
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.mark.parametrize("name", ["pairs plates", "impacts"])
-def test_numba_alone_gives_the_same_bits(name: str, tmp_path: Path) -> None:
-    found = tmp_path / "found.json"
-    command = [sys.executable, "-m", "tests.house.yardstick", "--jobs", "1", "--filter", name, "-o", str(found)]
+def answers() -> str:
+    """Return the answers of GJK and EPA for drawn pairs, to the last bit."""
+    batch, found = draw("shallow", 1, 0), []
+    for k in range(BATCH):
+        pair, seed = (batch.vertices, batch.shapes, 2 * k, 2 * k + 1), (0.0, 0.0, 0.0)
+        found.append(gjk(*pair, seed, np.inf, SCRATCH))
+        found.append(epa(*pair, seed, found[-1][3], SCRATCH))
+    return repr(found)
+
+
+def test_numba_alone_gives_the_same_bits(tmp_path: Path) -> None:
+    program = "from tests.jit.test_linking import answers; print(answers())"
     environment = {**os.environ, STOCK: "1", "NUMBA_CACHE_DIR": str(tmp_path / "kernels")}
-    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert json.loads(found.read_text()) == {name: yardstick.slices()[name]()}
+    assert done.stdout.strip() == answers()
     # numba's own cache, not the engine's
     assert any((tmp_path / "kernels").rglob("*.nbi")) and not (tmp_path / "kernels" / "avatarsim-kernels").exists()

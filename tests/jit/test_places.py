@@ -24,7 +24,7 @@ def version(base: Path, number: int, days: float, size: int = 100) -> Path:
     return folder
 
 
-def test_what_is_long_unused_goes_and_twenty_checkouts_in_use_stay(tmp_path: Path) -> None:
+def test_long_unused_kernels_go_and_twenty_in_use_stay(tmp_path: Path) -> None:
     made = [version(tmp_path, k, days=0.1 * k) for k in range(20)]
     kept, gone = version(tmp_path, 21, MOST_DAYS - 1.0), version(tmp_path, 22, MOST_DAYS + 1.0)
     used = version(tmp_path, 23, MOST_DAYS + 1.0)
@@ -51,7 +51,7 @@ def test_nothing_but_versions_of_kernels_is_ever_removed(tmp_path: Path) -> None
     assert (other / "a").exists() and (tmp_path / "file").exists() and linked.exists()
 
 
-def test_what_a_killed_process_left_half_written_goes_after_a_day(tmp_path: Path) -> None:
+def test_what_a_killed_process_left_goes_after_a_day(tmp_path: Path) -> None:
     folder = version(tmp_path, 1, 0.0)
     old, new = folder / ".old.part", folder / ".new.part"
     for path in (old, new):
@@ -61,7 +61,7 @@ def test_what_a_killed_process_left_half_written_goes_after_a_day(tmp_path: Path
     assert not old.exists() and new.exists() and (folder / "f-0.kernel").exists()
 
 
-def test_kernels_that_another_process_removes_meanwhile_are_no_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_kernels_removed_meanwhile_are_no_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Wherever the other process is ahead: each folder is gone by the time it is listed."""
     listed = os.scandir
     for depth in range(3):
@@ -86,7 +86,7 @@ def test_a_folder_that_was_made_after_the_start_is_read_too(tmp_path: Path) -> N
     assert chosen.write == tmp_path / "kernels" and chosen.read == (tmp_path / "kernels",)
 
 
-def test_where_nothing_can_be_kept_it_is_reported_once_or_refused(
+def test_reports_once_or_refuses_where_nothing_can_be_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("avatarsim.console._SAID", set())
@@ -132,7 +132,7 @@ def test_kernels_that_are_kept_are_not_counted(tmp_path: Path, monkeypatch: pyte
     assert places.missing(wanted) == 2 and places.kept_kernels(Path("avatarsim.room/0")) == {"one": 2, "two": 1}
 
 
-def test_silence_where_progress_is_shown_elsewhere_and_for_kernels_of_others(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_silent_for_others_kernels_and_under_other_progress(monkeypatch: pytest.MonkeyPatch) -> None:
     stream = Terminal()
     monkeypatch.setattr(sys, "stderr", stream)
     first = FirstCompile()

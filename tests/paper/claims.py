@@ -25,7 +25,7 @@ EQUATIONS = {
         "global penetration depth: sum(pd^2 n) / |sum pd|", ("shallow_overlap", "opposed_normals", "split_invariance"),
         of(
             "paper/test_equation_1.py", "test_equal_pieces_with_one_normal_give_exactly_their_depth",
-            "test_a_corner_of_n_equal_walls_loses_one_nth_of_its_depth_per_pass",
+            "test_a_corner_of_n_walls_loses_one_nth_of_its_depth",
             "test_equal_opposite_normals_are_a_status_and_not_a_zero_push"
         )
         + of("paper/test_algorithm_1.py", "test_step_3_their_squares_along_their_normals_over_their_sum"),
@@ -56,7 +56,7 @@ EQUATIONS = {
         "virtual coupling: a damped spring between tracker and driven object",
         ("coupling_sweep", "hand_over_table", "squeeze", "coach_release"),
         of("paper/test_equation_6.py", "test_agrees_with_an_integrator", "test_energy_never_grows")
-        + of("paper/test_figure_3.py", "test_eq_6_lets_a_hand_trail_and_catch_up_as_a_damped_oscillator_does"),
+        + of("paper/test_figure_3.py", "test_eq_6_a_hand_trails_and_catches_up_as_an_oscillator"),
     ),
     "equation 7": Claim(
         "normal velocity of a contact", ("two_spheres",),
@@ -113,15 +113,15 @@ FIGURES = {
     "figure 3": Claim(
         "architecture: a loop for driven objects, then one for simulated ones", ("hand_over_table", "squeeze"),
         of(
-            "paper/test_figure_3.py", "test_an_arm_is_pushed_back_by_a_wall_and_stays_in_touch_with_it",
+            "paper/test_figure_3.py", "test_a_wall_pushes_an_arm_back_and_they_stay_in_touch",
             "test_in_free_motion_only_the_first_search_is_made", "test_a_ball_gives_way_where_the_arm_cannot"
         ),
     ),
     "figure 4": Claim(
         "global depth: a reasonable case, and one where normals cancel", ("shallow_overlap", "opposed_normals"),
         of(
-            "paper/test_figure_4.py", "test_a_shallow_overlap_with_a_body_of_several_pieces_goes_by_translation_alone",
-            "test_normals_that_cancel_are_reported_and_the_state_walks_back"
+            "paper/test_figure_4.py", "test_several_pieces_overlapped_little_take_translation_only",
+            "test_normals_that_cancel_are_reported_and_walked_back"
         ),
     ),
     "figure 5": Claim(
@@ -157,7 +157,7 @@ ALGORITHMS = {
         of(
             "paper/test_algorithm_1.py", "test_step_1_pairs_that_do_not_overlap_are_culled",
             "test_step_2_every_convex_pair_has_its_depth", "test_step_3_their_squares_along_their_normals_over_their_sum",
-            "test_step_4_where_eq_1_has_no_direction_the_state_goes_back_towards_the_last_one"
+            "test_step_4_without_direction_the_state_goes_back"
         ),
     ),
 }

@@ -61,7 +61,7 @@ def test_step_3_their_squares_along_their_normals_over_their_sum():
     assert found == pytest.approx(wanted.tolist(), abs=1e-12)
 
 
-def test_step_4_where_eq_1_has_no_direction_the_state_goes_back_towards_the_last_one():
+def test_step_4_without_direction_the_state_goes_back():
     plates = tuple(Piece(Box((1.0, 2.0, 2.0)), (side * 0.65, 0.0, -1.0)) for side in (-1.0, 1.0))
     loop = Loop((ball_hand(RADIUS),), (fixed("slot", plates, "wood"),), roots=[(0.0, 0.0, 0.5)], settings={"couple": 0})
     world = loop.world

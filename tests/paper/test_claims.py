@@ -7,7 +7,7 @@ from tests.named_tests import TESTS, exists
 from tests.paper.claims import ALGORITHMS, EQUATIONS, FIGURES, PAPER, TABLES
 
 
-def test_all_ten_equations_both_tables_all_eight_figures_and_the_algorithm_are_there() -> None:
+def test_every_equation_table_and_figure_has_claims() -> None:
     assert list(EQUATIONS) == [f"equation {k}" for k in range(1, 11)]
     assert list(TABLES) == ["table 1", "table 2"] and list(FIGURES) == [f"figure {k}" for k in range(1, 9)]
     assert list(ALGORITHMS) == ["algorithm 1"]

@@ -29,7 +29,7 @@ def test_equal_pieces_with_one_normal_give_exactly_their_depth(d, count):
 
 
 @pytest.mark.parametrize("walls", [1, 2, 3])
-def test_a_corner_of_n_equal_walls_loses_one_nth_of_its_depth_per_pass(walls):
+def test_a_corner_of_n_walls_loses_one_nth_of_its_depth(walls):
     start = 0.3
     depths = np.full(walls, start)
     for passes in range(1, 8):
@@ -44,14 +44,14 @@ def test_a_corner_of_n_equal_walls_loses_one_nth_of_its_depth_per_pass(walls):
 
 @given(depth, st.floats(0.0, 1.0))
 @hypothesis_settings(deadline=None)
-def test_unequal_depths_along_one_normal_fall_short_by_the_stated_share(d, ratio):
+def test_unequal_depths_along_one_normal_fall_short_as_stated(d, ratio):
     _, pushed = eq1([d, ratio * d], [(0.0, 0.0, 1.0)] * 2)
     shortfall = d - pushed[2]
     assert shortfall == pytest.approx(d * ratio * (1.0 - ratio) / (1.0 + ratio), abs=1e-14)
     assert shortfall <= 0.17158 * d
 
 
-def test_the_worst_shortfall_is_17_16_percent_at_root_two_minus_one():
+def test_the_worst_shortfall_is_17_16_percent():
     shortfalls = {r: 1.0 - eq1([1.0, r], [(0.0, 0.0, 1.0)] * 2)[1][2] for r in np.linspace(0.0, 1.0, 2001)}
     worst = max(shortfalls, key=shortfalls.__getitem__)
     assert worst == pytest.approx(np.sqrt(2.0) - 1.0, abs=1e-3)
@@ -65,7 +65,7 @@ def test_equal_opposite_normals_are_a_status_and_not_a_zero_push(off):
     assert not pushed.any()
 
 
-def test_no_overlap_is_no_push_opposite_normals_leave_the_difference_and_nan_is_a_status():
+def test_no_overlap_no_push_and_nan_is_a_status():
     for depths, normals, left in (([], [], 0.0), ([0.5, 0.2], [(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0)], 0.3)):
         status, pushed = eq1(depths, normals)
         assert status == CONVERGED

@@ -56,7 +56,7 @@ def test_the_goal_lies_on_the_outside_of_the_obstacle(body):
         assert goal[2] == pytest.approx(CENTRE + RADIUS, abs=1e-9)
 
 
-def test_a_link_between_two_bodies_has_both_contacts_and_normals_that_point_into_it():
+def test_a_link_between_two_bodies_has_both_contacts():
     world, points, scratch = ball_on_floor(), np.zeros((256, 3)), make_scratch()
     status, count, _ = link_contacts(world.geometry, world.poses, 2, points, scratch)
     assert (status, count) == (CONVERGED, 2)

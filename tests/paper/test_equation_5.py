@@ -53,7 +53,7 @@ def test_small_angles_are_exact_where_acos_is_blind():
     ],
     ids=["effector on the axis", "goal on the axis", "effector at the joint", "goal at the joint", "both"],
 )
-def test_what_has_no_direction_in_the_plane_does_not_turn_the_joint(effector, goal):
+def test_a_goal_off_the_plane_does_not_turn_the_joint(effector, goal):
     assert joint_turn(ORIGIN, Z, effector, goal) == 0.0
 
 

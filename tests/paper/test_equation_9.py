@@ -56,8 +56,8 @@ def test_two_spheres_of_any_mass_ratio(ratio: float, e: float) -> None:
 def test_a_rod_hit_off_its_centre() -> None:
     """A small ball hits a resting rod at distance d from its middle: j, v' and w' in closed form."""
     d, e, m_rod, m_ball = 0.35, 0.6, 2.0, 0.5
-    rod, bullet = thing("rod", Box((1.0, 0.1, 0.1)), (0.0, 0.0, 0.0), m_rod), ball("ball", (d, 0.3, 0.0), 0.02, m_ball)
-    bullet = bullet.__class__(**{**bullet.__dict__, "velocity": (0.0, -2.0, 0.0)})
+    rod = thing("rod", Box((1.0, 0.1, 0.1)), (0.0, 0.0, 0.0), m_rod)
+    bullet = ball("ball", (d, 0.3, 0.0), 0.02, m_ball, velocity=(0.0, -2.0, 0.0))
     world = World([rod, bullet], e, gravity=NO_GRAVITY)
     while not world.impacts:
         assert world.frame() == 0

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from reference.judging.judge import Judge
 from scenarios.catalog.paper.hand_over_table import BALL_RADIUS, TABLE_HEIGHT
+from tests.coupling.scenes import deepest
 from tests.paper.scene_run import scene_run
 
 
@@ -24,6 +24,4 @@ def test_the_ball_rolls_over_the_table_and_off_it() -> None:
 
 def test_nothing_overlaps_while_the_ball_is_pushed() -> None:
     scene, records = scene_run("hand_over_table")
-    judge = Judge(scene)
-    for record in records[int(0.9 * len(records)) :]:
-        assert judge.overlaps(record.shown.positions, record.shown.orientations).deepest <= 1e-6
+    assert deepest(scene, records[int(0.9 * len(records)) :]) <= 1e-6

@@ -25,7 +25,7 @@ def armed(**changes):
     return Loop((arm(LENGTHS, planar(*LIMITS)),), (WALL,), angles=FREE_ANGLES, **changes)
 
 
-def test_an_arm_is_pushed_back_by_a_wall_and_stays_in_touch_with_it():
+def test_a_wall_pushes_an_arm_back_and_they_stay_in_touch():
     loop = armed()
     for _ in range(60):
         loop.frame(angles=INTO_THE_WALL)
@@ -38,7 +38,7 @@ def test_an_arm_is_pushed_back_by_a_wall_and_stays_in_touch_with_it():
     assert min(loop.count(PAIRS), loop.count(QUERIES)) > 0
 
 
-def test_a_released_arm_returns_to_the_tracker_by_the_closed_form():
+def test_a_released_arm_returns_by_the_closed_form():
     loop = armed()
     loop.frame(angles=INTO_THE_WALL, frames=60)
     # the straight way in joint space may lead through the wall at first
@@ -95,7 +95,7 @@ def wild(loop, seed, frames):
 
 
 @pytest.mark.parametrize("rounds", [16, 1, 0])
-def test_wild_motion_never_shows_an_overlap_however_few_rounds_it_gets(rounds):
+def test_wild_motion_never_overlaps_however_few_rounds(rounds):
     loop = humanlike(1, {"rounds": rounds})
     for _ in wild(loop, 2, 500):
         assert overlapping_pairs(loop.world) == []
@@ -115,7 +115,7 @@ def test_same_seed_same_bits_and_another_seed_another_order():
 
 
 @pytest.mark.parametrize(("step", "side"), [(0.03, -1.0), (0.4, 1.0)])
-def test_a_thin_wall_holds_a_slow_hand_and_is_jumped_by_a_fast_one(step, side):
+def test_a_thin_wall_holds_a_slow_hand_and_not_a_fast_one(step, side):
     """A limit that the paper admits: only shown states are checked, and PD_g leads out on the nearer side."""
     plate = fixed("plate", (Piece(Box((2.0, 0.01, 2.0)), (0.0, 0.5, 0.0)),), "wood")
     loop = Loop((ball_hand(0.05),), (plate,), roots=[(0.0, 0.1, 0.0)], settings={"couple": 0})
@@ -155,7 +155,7 @@ def test_a_ball_gives_way_where_the_arm_cannot():
 
 
 @pytest.mark.parametrize("part", ["root", "turn", "angle"])
-def test_a_tracker_that_is_no_number_leaves_the_last_state_standing(part):
+def test_a_tracker_not_finite_leaves_the_last_state(part):
     loop = humanlike(1)
     for _ in wild(loop, 4, 20):
         pass
@@ -175,7 +175,7 @@ def test_a_tracker_that_is_no_number_leaves_the_last_state_standing(part):
     assert overlapping_pairs(loop.world) == []
 
 
-def test_eq_6_lets_a_hand_trail_and_catch_up_as_a_damped_oscillator_does():
+def test_eq_6_a_hand_trails_and_catches_up_as_an_oscillator():
     loop = Loop((ball_hand(0.1),), roots=[(0.0, 0.0, 0.0)])
     target = loop.target(roots=[(1.0, 0.0, 0.0)])
     # one frame for the step of the tracker itself, whose speed counts into the damping

@@ -16,7 +16,7 @@ RADIUS = 0.1
 TABLE = (Piece(Box((1.0, 1.0, 0.1)), (0.0, 0.0, -0.05)), Piece(Box((0.1, 1.0, 1.0)), (-0.55, 0.0, 0.0)))
 
 
-def test_a_shallow_overlap_with_a_body_of_several_pieces_goes_by_translation_alone():
+def test_several_pieces_overlapped_little_take_translation_only():
     loop = Loop((ball_hand(RADIUS),), (fixed("table", TABLE, "wood"),), roots=[(0.3, 0.0, 0.5)])
     loop.frame(roots=[(0.3, 0.0, 0.06)], frames=200)
     assert overlapping_pairs(loop.world) == []
@@ -39,7 +39,7 @@ def slot(half_width):
     return fixed("slot", plates, "wood")
 
 
-def test_normals_that_cancel_are_reported_and_the_state_walks_back():
+def test_normals_that_cancel_are_reported_and_walked_back():
     loop = Loop((ball_hand(RADIUS),), (slot(0.09),), roots=[(0.0, 0.0, 0.5)], settings={"couple": 0})
     loop.frame(roots=[(0.0, 0.0, -0.5)])
     assert overlapping_pairs(loop.world) == []

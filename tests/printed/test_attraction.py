@@ -79,7 +79,7 @@ def test_a_steady_tracker_speed_leaves_the_stated_offset():
     assert lag == pytest.approx(speed * dt / np.expm1(RATE * dt), rel=1e-9)
 
 
-def test_a_tracker_beyond_the_limits_is_followed_to_the_limit_exactly():
+def test_a_tracker_beyond_limits_is_followed_to_the_limit():
     world = world_of((ARM,))
     target = target_of(world, 9.0, (0.0, 0.0, 2.9))
     for _ in range(300):
@@ -135,7 +135,7 @@ def test_without_coupling_or_time_the_root_is_where_the_user_is():
     assert frame(0.3, 0.0, 0.0, 0.0, 0.0)[0] == 0.3
 
 
-def test_a_root_that_was_held_has_the_velocity_it_was_shown_to_have():
+def test_a_held_root_has_the_velocity_it_was_shown_to_have():
     speed, tracked = rows(7.0, 0.0), rows(0.0, 0.0)
     settle_roots(KIND, rows(1.0, 0.0), rows(0.5, 0.0), rows(0.2, 0.0), rows(0.3, 0.0), 0.1, speed, tracked)
     assert speed[0, 0] == pytest.approx(1.0)
@@ -190,7 +190,7 @@ def test_without_simulated_bodies_no_velocity_is_worked_out():
     assert not loop.world.velocities.linear.any()
 
 
-def test_an_impulse_displaces_the_hand_and_the_spring_brings_it_back():
+def test_an_impulse_moves_the_hand_and_the_spring_returns_it():
     loop = hand_before(FREE_BALL)
     loop.follow(target(loop, 0.0), DT)
     impulses = np.zeros((2, 3))
@@ -203,7 +203,7 @@ def test_an_impulse_displaces_the_hand_and_the_spring_brings_it_back():
         assert loop.world.posture.root[0, 1] == pytest.approx(-0.5 * t * np.exp(-50.0 * t), rel=1e-9)
 
 
-def test_counts_are_named_and_statuses_only_where_something_happened():
+def test_counts_are_named_and_statuses_only_where_needed():
     loop = hand_before(WALL)
     loop.follow(target(loop, 0.1), DT)
     assert tuple(loop.counts()) == COUNT_NAMES

@@ -51,14 +51,14 @@ def test_without_names_every_leaf_ends_a_chain():
     assert trunk == {"pelvis", "chest"}
 
 
-def test_a_hand_of_one_link_is_all_trunk_and_an_anchored_arm_has_none():
+def test_one_link_is_all_trunk_and_an_anchored_arm_has_none():
     found, trunk, chains = named_chains((ball_hand(0.1), arm((0.3, 0.2), planar((-1.0, 1.0), (0.0, 2.0)), at=(3.0, 0.0, 0.0))))
     assert found == [["arm0", "arm1"]]
     assert trunk == {"hand"}
     assert chains.root.tolist() == [0, 1, 1]
 
 
-def test_limbs_point_to_the_next_joint_and_at_the_tip_through_the_shape():
+def test_limbs_point_to_the_next_joint_or_through_the_tip():
     _, _, chains = named_chains((arm((0.3, 0.2), planar((-1.0, 1.0), (0.0, 2.0))),))
     np.testing.assert_allclose(chains.limb, [[0.3, 0.0, 0.0], [0.2, 0.0, 0.0]], atol=1e-15)
 

@@ -120,6 +120,7 @@ pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 
 
 def run(a_pieces, b_pieces):
+    """Return the status, PD_g and number of pairs of two bodies, each of some pieces."""
     vertices, shapes = as_arrays(*a_pieces, *b_pieces)
     starts = np.array([0, len(a_pieces), len(a_pieces) + len(b_pieces)])
     status, pushed, count = global_depth(vertices, shapes, starts, 0, 1, SCRATCH)
@@ -173,14 +174,6 @@ DEPTH = 0.05
 BODIES = {"cube": box(0.2, 0.2, 0.2), "ball": ball(0.2), "hull": hull_of_ellipsoid((0.3, 0.2, 0.2), 8, 3)}
 
 
-def push(body, pieces):
-    """Return the status and PD_g of one body in the pieces of another."""
-    vertices, shapes = as_arrays(body, *pieces)
-    starts = np.array([0, 1, 1 + len(pieces)])
-    status, pushed, count = global_depth(vertices, shapes, starts, 0, 1, SCRATCH)
-    return status, np.array(pushed), count
-
-
 def wall(cuts):
     """Return the pieces of a wall 1 m thick with its surface at z = 0, cut at right angles to x."""
     return [
@@ -199,7 +192,7 @@ def cleared(body, pieces, most):
     """Return the passes until less than a micrometre of depth is left, and the distance that the body moved."""
     way = np.zeros(3)
     for passes in range(most + 1):
-        status, pushed, _ = push(body.moved(shift=way), pieces)
+        status, pushed, _ = run([body.moved(shift=way)], pieces)
         assert status == CONVERGED
         if np.linalg.norm(pushed) < 1e-6:
             return passes, way
@@ -214,7 +207,7 @@ SLIVERS = [[-1.0, at - 0.5 * width, at + 0.5 * width, 1.0] for width in (1e-2, 1
 @pytest.mark.parametrize("cuts", [*EVEN[:7], *SLIVERS[::2]])
 @pytest.mark.parametrize("x", [0.0, 0.0137])
 def test_a_cut_or_a_sliver_under_the_flat_face_changes_nothing(cuts, x):
-    status, pushed, _ = push(sunk("cube", x), wall(cuts))
+    status, pushed, _ = run([sunk("cube", x)], wall(cuts))
     assert status == CONVERGED
     np.testing.assert_allclose(pushed, (0.0, 0.0, DEPTH), atol=1e-12)
 
@@ -224,8 +217,8 @@ def test_a_cut_or_a_sliver_under_the_flat_face_changes_nothing(cuts, x):
 @pytest.mark.parametrize(("cuts", "least", "drift", "passes", "drift_in_all"), [
     *((cuts, 0.66, 0.12, 6, 0.12) for cuts in EVEN), *((cuts, 0.64, 0.16, 16, 0.3) for cuts in SLIVERS),
 ])
-def test_no_cut_goes_too_far_and_few_passes_end_where_the_uncut_wall_does(name, x, cuts, least, drift, passes, drift_in_all):
-    status, pushed, _ = push(sunk(name, x), wall(cuts))
+def test_no_cut_goes_too_far_and_few_passes_reach_the_end(name, x, cuts, least, drift, passes, drift_in_all):
+    status, pushed, _ = run([sunk(name, x)], wall(cuts))
     assert status == CONVERGED
     assert least * DEPTH < pushed[2] < DEPTH + 1e-12
     assert abs(pushed[0]) < drift * DEPTH and abs(pushed[1]) < 1e-12

@@ -29,7 +29,7 @@ def some_posture(world, seed):
 
 
 @pytest.mark.parametrize("fraction", [0.25, 0.5, 0.9])
-def test_hinges_and_places_go_straight_and_rotations_on_the_great_circle(fraction):
+def test_hinges_go_straight_and_rotations_on_great_circles(fraction):
     world = world_of(AVATARS)
     (a, qa), (b, qb) = some_posture(world, 1), some_posture(world, 2)
     interpolate(world.skeleton, a, b, fraction, ALL, world.posture)
@@ -43,7 +43,7 @@ def test_hinges_and_places_go_straight_and_rotations_on_the_great_circle(fractio
         )
 
 
-def test_the_ends_are_the_ends_bit_for_bit_and_nothing_of_the_other_one():
+def test_the_ends_are_the_ends_bit_for_bit():
     world = world_of(AVATARS)
     (a, _), (b, _) = some_posture(world, 1), some_posture(world, 2)
     broken = Posture(*(np.full_like(array, np.nan) for array in b))
@@ -67,7 +67,7 @@ def test_links_that_are_not_chosen_keep_the_present_posture():
 
 
 @pytest.mark.parametrize("edge", [0.0, 1e-5, 0.3, 0.7853981, 0.999])
-def test_bisection_finds_the_edge_to_a_millionth_from_the_free_side(edge):
+def test_bisection_finds_the_edge_from_the_free_side(edge):
     low, high = 0.0, 1.0
     while high - low > 1e-6:
         low, high = narrowed(low, high, 0.5 * (low + high) <= edge)
@@ -103,7 +103,7 @@ def test_only_the_arm_that_overlaps_is_walked_back():
     assert loop.world.posture.angle[1] == pytest.approx(1.0, abs=1e-9)
 
 
-def test_a_body_carried_into_a_pinned_arm_is_reported_and_everything_stays():
+def test_a_body_carried_into_a_pinned_arm_is_reported():
     ball = (Piece(Sphere(0.2)),)
     loop = Loop(
         (arm((0.4,), planar((0.0, 0.0))),), (simulated("ball", ball, "wood", solid(ball, 1.0), (0.2, 0.3, 0.0)),),
@@ -132,7 +132,7 @@ def test_a_body_that_gave_way_in_vain_is_walked_back_too():
     assert loop.world.poses.position[1, 1] <= 0.3
 
 
-def test_everything_ends_inside_and_what_was_inside_is_not_touched():
+def test_everything_ends_inside_its_limits():
     world = world_of((arm((0.4, 0.3), [limited_ball(), planar((-0.5, 2.0))[0]]),))
     rng, kept = np.random.default_rng(3), 0
     for _ in range(500):

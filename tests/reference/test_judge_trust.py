@@ -25,7 +25,7 @@ def found() -> Trust:
     return trust(PAIRS, 7)
 
 
-def test_the_judge_keeps_its_promise_and_turns_no_verdict_that_it_can_tell() -> None:
+def test_the_judge_keeps_its_promise_and_turns_no_verdict() -> None:
     whole = found().whole
     assert whole.pairs == PAIRS and whole.overlapping > PAIRS // 2
     for kind in found().kinds:
@@ -128,7 +128,7 @@ def test_fcl_measures_along_the_same_axes_and_units(shape: Shape, touch: float) 
         assert found == pytest.approx(height - touch, abs=1e-3)
 
 
-def test_the_distance_of_a_point_from_an_ellipsoid_is_the_least_over_its_surface() -> None:
+def test_point_to_ellipsoid_is_the_least_over_its_surface() -> None:
     random = np.random.default_rng(5)
     assert point_to_ellipsoid(np.array([0.5, 0.0, 0.0]), np.full(3, 0.2)) == pytest.approx(0.3, abs=1e-15)
     for _ in range(30):
@@ -147,7 +147,7 @@ def test_the_distance_of_a_point_from_an_ellipsoid_is_the_least_over_its_surface
         assert point_to_ellipsoid(point, radii) == pytest.approx(-least if inside else least, abs=1e-9)
 
 
-def test_an_ellipsoid_has_a_closed_form_against_a_ball_and_a_floor_only() -> None:
+def test_ellipsoids_have_closed_forms_with_balls_and_floors() -> None:
     turn = rotation.to_matrix(rotation.normalised(np.array([1.0, 0.2, 0.3, 0.1])))
     egg, up = Ellipsoid((0.1, 0.2, 0.3)), np.array([0.0, 0.0, 1.0])
     lowest = float(np.linalg.norm(np.array(egg.radii) * turn[2]))

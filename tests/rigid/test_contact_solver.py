@@ -51,7 +51,7 @@ def test_solution_obeys_every_law(points: int, friction: float) -> None:
 
 
 @pytest.mark.parametrize("cap", [1, 2, 3, 5])
-def test_impulses_of_a_solve_that_is_cut_short_push_and_stay_in_their_discs(cap: int) -> None:
+def test_a_solve_cut_short_still_pushes_and_keeps_its_discs(cap: int) -> None:
     rng = np.random.default_rng(cap)
     for _ in range(20):
         contacts, masses, linear, angular = scene(rng, 8, 0.4)
@@ -78,19 +78,6 @@ def test_frictionless_solution_is_the_least_kinetic_change() -> None:
     np.testing.assert_allclose(np.concatenate([linear[1], angular[1]]), best.x, atol=1e-6)
 
 
-def test_momentum_is_exchanged_and_not_made() -> None:
-    """Two free bodies: total momentum stays."""
-    contacts = make_contacts(ROOM)
-    masses = Masses(np.array([0.5, 0.2]), np.stack([np.eye(3), 2.0 * np.eye(3)]))
-    assert add_contact(contacts, 0, 1, 0, (0.0, 0.6, 0.8), (0.1, 0.0, -0.2), (0.0, 0.1, 0.2), 0.0)
-    contacts.friction[0] = 0.5
-    weigh(contacts, masses)
-    linear, angular = np.array([[0.0, -1.0, -3.0], [0.2, 0.0, 1.0]]), np.zeros((2, 3))
-    before = linear[0] / 0.5 + linear[1] / 0.2
-    solve(contacts, masses, linear, angular)
-    np.testing.assert_allclose(linear[0] / 0.5 + linear[1] / 0.2, before, atol=1e-12)
-
-
 def test_no_room_is_reported() -> None:
     contacts = make_contacts(1)
     point = (0.0, 0.0, 0.0)
@@ -111,7 +98,7 @@ def wandering(cap: int) -> tuple[float, np.ndarray, np.ndarray]:
     return worst, contacts.impulse[:4, 0].copy(), linear[0]
 
 
-def test_a_load_that_wanders_between_four_corners_costs_no_thousand_sweeps() -> None:
+def test_a_load_that_wanders_between_corners_takes_few_sweeps() -> None:
     """Sweeping on would move it for ever, while the velocities stay as they are: more sweeps allowed are not spent."""
     worst, impulses, velocity = wandering(2 * PATIENCE)
     np.testing.assert_array_equal(wandering(40 * PATIENCE)[1], impulses)
@@ -121,7 +108,7 @@ def test_a_load_that_wanders_between_four_corners_costs_no_thousand_sweeps() -> 
     assert impulses.sum() == pytest.approx(0.4, rel=1e-5)
 
 
-def test_bodies_in_motion_do_not_wait_for_a_load_that_wanders_faster() -> None:
+def test_bodies_in_motion_do_not_wait_for_a_wandering_load() -> None:
     """Two corners have to rise by 10 micrometres a second more than the others: below STALE_BELOW it ends after STALE sweeps."""
     contacts, left = make_contacts(5), []
     for x, y in ((1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (0.0, 0.0)):

@@ -147,7 +147,7 @@ def found(world: World) -> None:
 
 @pytest.mark.nojit
 @pytest.mark.boundscheck
-def test_a_leaning_contact_gets_the_normal_of_the_face_that_goes_on() -> None:
+def test_a_leaning_contact_gets_the_normal_of_the_next_face() -> None:
     """10 nm before the seam the nearest point of the next piece is ahead and below; so many points, all straight up."""
     world = World([floor((-3.0, 0.0, 3.0)), slider(x=-0.5 * SIZE[0] - 1e-8, gap=1e-8)])
     shapes, memory = world.geometry.shapes, world.memory

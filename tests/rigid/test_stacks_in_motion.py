@@ -292,15 +292,14 @@ def test_momentum_of_groups_that_meet_on_ice_stays() -> None:
     assert world.velocities.linear[1:, 0].mean() == pytest.approx(0.5, abs=1e-3)
 
 
-@pytest.mark.parametrize("dt", [1e-3, 1.0 / 60.0, 1.0 / 30.0])
-@pytest.mark.parametrize("lean", [0.003, 0.02])
+@pytest.mark.parametrize(("lean", "dt"), [(0.003, 2e-3), (0.003, 1.0 / 60.0), (0.02, 1.0 / 60.0), (0.003, 1.0 / 30.0)])
 def test_what_leans_beyond_its_balance_on_a_crowd_at_rest_falls(lean: float, dt: float) -> None:
     angle = np.arctan(0.06 / 0.3) + lean
     height = 0.03 * np.sin(angle) + 0.15 * np.cos(angle)
     edge = 0.03 * np.cos(angle) - 0.15 * np.sin(angle)
-    place = (1.5 * CUBE - edge, 1.5 * CUBE, 3.0 * (CUBE + GAP) + height + GAP)
+    place = (1.5 * CUBE - edge, 1.5 * CUBE, 2.0 * (CUBE + GAP) + height + GAP)
     tall = thing("tall", Box((0.06, 0.06, 0.3)), place, 0.5, orientation=(np.cos(angle / 2.0), 0.0, np.sin(angle / 2.0), 0.0))
-    world = World([slab(), *blocks((4, 4, 3)), tall], 0.0, 0.5)
+    world = World([slab(), *blocks((4, 4, 2)), tall], 0.0, 0.5)
     assert run_as_crowd(world, 1.5, dt) < 1e-9
     assert abs(world.poses.rotation[-1, 2, 2]) < 0.1
 
@@ -323,12 +322,12 @@ def test_a_pallet_of_packed_boxes_rests() -> None:
 
 
 def test_a_heap_of_bodies_of_many_pieces_falls_to_rest() -> None:
-    """27 bodies of 64 pieces: 1.4 million pairs of pieces, of which few are near."""
+    """12 bodies of 64 pieces: 270,000 pairs of pieces, of which few are near."""
     edge, cells = 0.025, np.arange(4) - 1.5
     pieces = tuple(Piece(Box((edge,) * 3), position=tuple(edge * np.array(at))) for at in product(cells, cells, cells))
     bodies = [
         simulated(f"b{k}", pieces, "m", solid(pieces, 0.5), position=(0.102 * x, 0.102 * y, 0.06 + 0.11 * z))
-        for k, (z, y, x) in enumerate(product(range(3), range(3), range(3)))
+        for k, (z, y, x) in enumerate(product(range(3), range(2), range(2)))
     ]
     world = World([slab(), *bodies], 0.0, 0.4)
     run_as_crowd(world, 1.5)
@@ -336,7 +335,7 @@ def test_a_heap_of_bodies_of_many_pieces_falls_to_rest() -> None:
     assert world.poses.position[1:, 2].min() == pytest.approx(0.05, abs=1e-4)
 
 
-def test_boxes_in_a_crowd_slide_over_seams_as_far_as_over_one_piece() -> None:
+def test_crowded_boxes_slide_over_seams_as_over_one_piece() -> None:
     """Straight, leaning and crossed seams, bodies of one piece and of three: v^2 / (2 mu g), to the error of the time steps."""
     scenario = catalog.get("seams")
     scene, engine = scenario.build(), AvatarsimEngine()

@@ -127,7 +127,7 @@ def test_crossed_edges_that_dipped_can_still_turn(speed: float) -> None:
     assert not certify_pieces(world.geometry, world.poses, memory, 0, H).holds
 
 
-def test_a_certified_way_of_a_pair_that_dipped_stays_within_what_is_judged() -> None:
+def test_a_certified_way_that_dipped_stays_within_the_bound() -> None:
     world, rng, held = pair(0, 4), np.random.default_rng(6), 0
     world.memory.moving[:] = 1
     for _ in range(300):
@@ -147,7 +147,7 @@ def test_a_certified_way_of_a_pair_that_dipped_stays_within_what_is_judged() -> 
 
 @given(before=st.floats(-1.0, 1.0), after=st.floats(-1.0, 1.0), bulge=st.floats(0.0, 1.0))
 @settings(max_examples=200)
-def test_the_least_height_between_two_ends_is_that_of_many_instants(before: float, after: float, bulge: float) -> None:
+def test_the_least_height_of_a_way_is_that_of_many_instants(before: float, after: float, bulge: float) -> None:
     s = np.linspace(0.0, 1.0, 2001)
     sampled = (before + (after - before) * s - 4.0 * bulge * s * (1.0 - s)).min()
     assert sampled - 1e-6 <= least_between(before, after, bulge) <= sampled + 1e-12

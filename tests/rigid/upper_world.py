@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.collision.conservative_advancement import UNKNOWN, time_of_impact
 from avatarsim.collision.scratch import Scratch, make_scratch
 from avatarsim.collision.signed_distance import signed_distance
 from avatarsim.jit.kernel import kernel
@@ -138,6 +139,15 @@ class World:
     def scratch(self) -> Scratch:
         """Return the scratch of a query."""
         return make_scratch()
+
+
+def first_impact(world: World, poses: Any, velocities: Any, begin: float, end: float) -> tuple[int, float, int]:
+    """Return (outcome, time [s], rounds) of the search for the first contact of bodies 0 and 1 on the paths in the memory."""
+    m = world.memory
+    return time_of_impact(
+        world.geometry, poses, velocities.linear, velocities.angular, m.paths, m.series, m.reach, 0, 1, begin, end, UNKNOWN, 1.0,
+        m.trial, m.a_rows, m.b_rows, m.edges, m.scratch,
+    )
 
 
 def hand(name: str = "hand", size: Sequence[float] = (0.4, 0.4, 0.1), mass: float = 2.0) -> Avatar:

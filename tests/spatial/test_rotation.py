@@ -110,7 +110,7 @@ def test_normalised_broadcasts() -> None:
 
 
 @given(SEEDS, st.integers(1, 12))
-def test_continuous_quaternions_are_the_same_rotations_without_changes_of_sides(seed: int, count: int) -> None:
+def test_continuous_quaternions_are_the_same_rotations(seed: int, count: int) -> None:
     given = np.stack([wxyz(random(seed + k, count)) for k in range(2)], axis=1)
     found = rotation.continuous(given)
     same(found, given)

@@ -82,14 +82,6 @@ def test_half_a_turn_has_either_sign(axis: np.ndarray) -> None:
     assert np.linalg.norm(found) == pytest.approx(np.pi) and np.linalg.norm(np.cross(found, axis)) < 1e-12
 
 
-@given(SEEDS)
-def test_log_of_any_rotation_is_scipys(seed: int) -> None:
-    turn = Rotation.random(rng=seed)
-    wanted = turn.as_rotvec()
-    found = np.array(rotation_vector(tuples(turn.as_matrix())))
-    assert found == pytest.approx(wanted, abs=1e-9)
-
-
 @given(SEEDS, st.sampled_from([1e-13, 1e-9, 1e-3, 1.0, 3.1]))
 def test_a_step_leads_where_the_step_between_says(seed: int, length: float) -> None:
     rng = np.random.default_rng(seed)

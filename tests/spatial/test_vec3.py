@@ -74,7 +74,7 @@ def test_ten_thousandth_number_is_the_published_one() -> None:
     assert numbers[-1] == 399268537
 
 
-def test_neighbouring_seeds_give_other_numbers_and_equal_seeds_the_same() -> None:
+def test_equal_seeds_give_equal_numbers_and_others_do_not() -> None:
     one, again, other = seeded(1), seeded(1), seeded(2)
     first = [draw(one, 1000) for _ in range(20)]
     assert first == [draw(again, 1000) for _ in range(20)]

@@ -4,10 +4,12 @@ A ball is driven 10 cm into a wall at 1 m/s, and a hand of fifteen ellipsoids 10
 MuJoCo is over eleven ways to drive a body (mocap body and weld, servo, velocities), of PyBullet over six.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
-from avatarsim.engine import Engine
+from avatarsim.engine import Engine, Settings
 from avatarsim.scene.avatar import rigid_avatar
 from avatarsim.scene.body import fixed, solid
 from avatarsim.scene.scene import Scene
@@ -15,9 +17,8 @@ from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 from scenarios.building.avatars.hand import rigid_hand
-from tests.agreement.reached.driven import led
 from tests.agreement.rivals import STUDIED
-from tests.agreement.runs import FRAME, MM
+from tests.agreement.runs import FRAME, MM, Array, depths, played, poses
 
 RATES = pytest.mark.parametrize("rate", [60, 240, 1000])
 """Steps per second."""
@@ -61,20 +62,29 @@ def hand_at(frame: int) -> TrackerSample:
     return led_to((0.2 * along, 0.0, 0.114 - 0.2 * down), frame)
 
 
+def led(
+    engine: Engine, scene: Scene, path: Callable[[int], TrackerSample], frames: int, options: dict[str, object]
+) -> tuple[Array, Array]:
+    """Return depths (F,) [m] and positions (F, 2, 3) [m] of the tuned preset along `path`, from its first sample on."""
+    samples = [path(frame) for frame in range(1, frames + 1)]
+    records = played(engine, scene, samples, Settings("tuned", options))[1:]
+    return depths(scene, records), poses(records)[0]
+
+
 @STUDIED
 @RATES
 def test_a_ball_is_no_deeper_and_no_later_than_known(engine: Engine, rate: int) -> None:
     pieces = (Piece(Sphere(RADIUS)),)
     wall = fixed("wall", (Piece(Box((0.6, 4.0, 4.0))),), "wood", (FACE + 0.3, 0.0, 0.0))
     scene = Scene("ball", (wall,), (rigid_avatar("hand", pieces, solid(pieces, MASS)),), start=ball_at(0))
-    found = led(engine, scene, ball_at, 50, {"dt": 1.0 / rate})
+    deep, places = led(engine, scene, ball_at, 50, {"dt": 1.0 / rate})
     most, pressed, late = BALL[engine.name][rate]
-    assert found.depths.max() <= most * MM
-    assert found.depths[-10:].max() <= pressed * MM
+    assert deep.max() <= most * MM
+    assert deep[-10:].max() <= pressed * MM
     wanted = np.array([ball_at(frame).positions[0, 0] for frame in range(1, 51)])
-    assert np.abs(found.places[FREE, 0, 0] - wanted[FREE]).max() <= late * MM
+    assert np.abs(places[FREE, 1, 0] - wanted[FREE]).max() <= late * MM
     # and before the wall, not behind it
-    assert found.places[:, 0, 0].max() < FACE
+    assert places[:, 1, 0].max() < FACE
 
 
 @STUDIED
@@ -82,10 +92,10 @@ def test_a_ball_is_no_deeper_and_no_later_than_known(engine: Engine, rate: int) 
 def test_a_hand_is_no_deeper_than_known(engine: Engine, rate: int) -> None:
     table = fixed("table", (Piece(Box((1.5, 1.0, 0.06))),), "wood", (0.0, 0.0, -0.03))
     scene = Scene("press", (table,), (rigid_hand(),), start=hand_at(0))
-    found = led(engine, scene, hand_at, 60, {"dt": 1.0 / rate, **(COARSE[engine.name] if rate == 60 else {})})
+    deep, places = led(engine, scene, hand_at, 60, {"dt": 1.0 / rate, **(COARSE[engine.name] if rate == 60 else {})})
     most, usual = HAND[engine.name][rate]
-    assert found.depths.max() <= most * MM
+    assert deep.max() <= most * MM
     # a median of 0.00 is known to its last digit; the hand meets the table after a quarter of a second
-    assert np.median(found.depths[15:]) <= max(usual, 5e-3) * MM
+    assert np.median(deep[15:]) <= max(usual, 5e-3) * MM
     # a hand below the table has no overlap either
-    assert found.places[:, 0, 2].min() > 0.0
+    assert places[:, 1, 2].min() > 0.0

@@ -34,7 +34,7 @@ BOUNCED = 0.304
 @STUDIED
 @pytest.mark.parametrize("rate", [60, 240, 1000])
 @pytest.mark.parametrize("restitution", [0.0, 0.3])
-def test_a_sliding_ball_rolls_in_time_at_as_near_to_five_sevenths_of_its_speed_as_known(
+def test_a_sliding_ball_rolls_in_time_at_five_sevenths(
     engine: Engine, rate: int, restitution: float
 ) -> None:
     ball = Thrown(BALL, BALL_MASS, (0.0, 0.0, BALL.radius - TOUCHES), (SPEED, 0.0, 0.0), ContactLaw(restitution, FRICTION))

@@ -23,30 +23,11 @@ def test_free_fall_is_what_integration_gives():
     assert end == pytest.approx([exact.fall_height(2.0, 3.0, G, 0.7), exact.fall_velocity(3.0, G, 0.7)], abs=1e-11)
 
 
-def bounced(height, restitution, impacts):
-    """Return impact times and speeds before, by integration up to each impact."""
-    def floor_met(t, s):
-        return s[0]
-
-    floor_met.terminal, floor_met.direction = True, -1.0
-    clock, state, times, speeds = 0.0, [height, 0.0], [], []
-    for _ in range(impacts):
-        # an impact is at height 0: start a hair above, or the event fires at once
-        flight = integrated(lambda t, s: [s[1], -G], state, 10.0, events=floor_met, max_step=0.05)
-        clock += flight.t_events[0][0]
-        speed = -flight.y_events[0][0][1]
-        times.append(clock)
-        speeds.append(speed)
-        state = [1e-14, restitution * speed]
-    return times, speeds
-
-
-@pytest.mark.parametrize("restitution", [0.3, 0.75, 1.0])
-def test_bounces_are_where_integration_puts_them(restitution):
-    times, speeds = bounced(1.0, restitution, 4)
-    for k in range(4):
-        assert times[k] == pytest.approx(exact.bounce_time(1.0, restitution, G, k + 1), abs=1e-9)
-        assert speeds[k] == pytest.approx(restitution**k * exact.impact_speed(1.0, G), abs=1e-9)
+@pytest.mark.parametrize("mass", [0.1, 0.4, 1.0, 10.0])
+@pytest.mark.parametrize("time", [0.001, 0.05, 0.3])
+def test_spring_state_is_what_integration_gives(mass, time):
+    end = integrated(lambda t, s: [s[1], (-1000.0 * s[0] - 40.0 * s[1]) / mass], [0.2, -1.5], time).y[:, -1]
+    assert exact.spring_state(0.2, -1.5, mass, 1000.0, 40.0, time) == pytest.approx(end, abs=1e-9)
 
 
 @pytest.mark.parametrize(("restitution", "published"), [(0.5, 1.3546), (0.3, 0.8385)])
@@ -145,7 +126,7 @@ def test_oblique_bounce_is_the_limit_of_small_impulses(friction, approach):
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.3, 1.0])
-def test_point_impact_solves_newton_euler_and_restitution_together(restitution):
+def test_point_impact_solves_newton_euler_and_restitution(restitution):
     rng = np.random.default_rng(3)
     for _ in range(20):
         spread = rng.normal(size=(3, 3))

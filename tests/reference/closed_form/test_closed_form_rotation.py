@@ -31,7 +31,7 @@ def test_the_published_flips_of_a_box() -> None:
     assert flip_times(i, (0.1, 5.0, 0.1), 20.0) == pytest.approx(integrated(i, (0.1, 5.0, 0.1), 20.0), abs=1e-8)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(
     order=st.permutations([1.0, 1.7, 2.2]), spin=st.tuples(*[st.floats(0.3, 3.0)] * 3),
     signs=st.tuples(*[st.sampled_from([-1.0, 1.0])] * 3),

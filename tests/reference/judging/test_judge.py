@@ -57,7 +57,7 @@ def test_a_planted_overlap_is_found_with_its_depth_and_names(depth):
     assert [names for *names, _ in verdict.pairs] == [["table", "ball"]]
 
 
-def test_of_several_pieces_the_deepest_counts_and_pairs_come_deepest_first():
+def test_the_deepest_piece_counts_and_pairs_come_deepest_first():
     at = FREE.copy()
     at[2] = 0.0, 0.3, 0.09
     # one end of the dumbbell is deeper in the table than the other
@@ -117,7 +117,7 @@ def test_a_moved_and_rotated_world_gives_the_same_verdict():
     ("dumbbell", (0.0, 0.0, 1e8), rotation.IDENTITY),
     *(("dumbbell", (0.0, -0.3, 0.5), turn) for turn in ((np.nan, 0, 0, 0), (0, 0, 0, 0), (1.001, 0, 0, 0), (0.7, 0.7, 0, 0.01))),
 ])
-def test_a_pose_that_is_none_gives_a_depth_that_fails_every_bound(body, place, turn):
+def test_a_pose_not_finite_gives_a_depth_that_fails(body, place, turn):
     at, turns = FREE.copy(), upright(FREE)
     at[ROOM.names.index(body)], turns[ROOM.names.index(body)] = place, turn
     verdict = Judge(ROOM).overlaps(at, turns)
@@ -174,7 +174,7 @@ def test_a_pair_without_a_distance_is_never_a_pass():
     assert np.isnan(judge.depths(at[None], upright(at)[None])[0]) and np.isnan(judge.deepest(at[None], upright(at)[None]))
 
 
-def test_gaps_of_links_are_measured_up_to_the_reach_and_negative_inside():
+def test_gaps_of_links_go_to_the_reach_and_below_0_inside():
     judge = Judge(ROOM)
     at = np.tile(FREE, (4, 1, 1))
     # the arm's first link above the table's face, into it, far from all, and no number

@@ -24,7 +24,7 @@ def placements(seed: int, count: int, turned: float) -> tuple[np.ndarray, np.nda
 
 @pytest.mark.parametrize("turned", [0.0, 1e-12, 1e-9, 1e-7, 1e-4, 1.0])
 @pytest.mark.parametrize("pair", [(BOX, BOX), (BOX, PLATE), (BOX, EGG)])
-def test_all_axes_of_polytopes_give_the_depth_and_never_more_than_the_gap(pair: tuple[Shape, Shape], turned: float) -> None:
+def test_all_axes_give_the_depth_and_at_most_the_gap(pair: tuple[Shape, Shape], turned: float) -> None:
     a, b = Outline(pair[0]), Outline(pair[1])
     turns_a, turns_b, offsets = placements(3, 40, turned)
     found = largest_over_axes(a, turns_a, b, turns_b, offsets)

@@ -26,7 +26,7 @@ def test_a_ball_and_a_cube(height, signed):
     assert signed_distance(np.array([[0.3, 0.1, height]]), 0.2, CORNERS, 0.0) == pytest.approx(signed, abs=1e-14)
 
 
-def test_balls_and_capsules_of_one_centre_are_as_deep_as_their_radii():
+def test_concentric_balls_and_capsules_are_as_deep_as_radii():
     origin, stick = np.zeros((1, 3)), np.array([[0, 0, -1.0], [0, 0, 1.0]])
     assert signed_distance(origin, 0.2, origin, 0.3) == pytest.approx(-0.5)
     assert signed_distance(stick, 0.2, origin, 0.3) == pytest.approx(-0.5)
