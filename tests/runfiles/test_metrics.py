@@ -84,7 +84,7 @@ def test_values_within_the_level_or_the_share_are_equal(entry: Metric) -> None:
     assert entry.better(large, far) and (not entry.share or not entry.better(large, near))
 
 
-def test_no_number_is_never_better_and_any_number_is_better_than_none() -> None:
+def test_nan_is_never_better_and_any_number_is_better() -> None:
     entry, nan = METRICS["residual_overlap_max"], float("nan")
     assert not entry.better(nan, 0.0) and not entry.better(nan, nan)
     assert entry.better(1e9, nan) and entry.better(1.0, float("inf"))

@@ -31,7 +31,7 @@ def test_what_is_saved_is_loaded_bit_for_bit(tmp_path: Path) -> None:
     assert again.frames == 3 and again.dt == DT and again.links == slice(2, 2)
 
 
-def test_the_hash_of_every_state_shown_follows_from_what_is_loaded(tmp_path: Path) -> None:
+def test_state_hashes_follow_from_what_is_loaded(tmp_path: Path) -> None:
     recording = full()
     hashes = [hash_of(recording, k) for k in range(4)]
     record.save(replace(recording, state_hashes=np.array(hashes)), tmp_path / "one.npz")
@@ -126,7 +126,7 @@ def test_a_truncated_recording_is_an_invalid_file(tmp_path: Path, keep: int) -> 
         record.load(path)
 
 
-def test_a_missing_recording_and_another_layout_are_invalid_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_recording_or_other_layout_is_an_invalid_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InvalidFile, match="none.npz"):
         record.load(tmp_path / "none.npz")
     monkeypatch.setattr(record, "SCHEMA_VERSION", 99)
@@ -155,7 +155,7 @@ def test_arrays_that_contradict_each_other_are_an_invalid_file(tmp_path: Path, n
     *(({"meta": np.array(meta), "times": np.zeros(1)}, "one.npz") for meta in ("[]", "3", "{", "{}", "null")),
     ({"surprise": np.zeros(1)}, "surprise"),
 ])
-def test_entries_that_this_runner_did_not_write_are_an_invalid_file(tmp_path: Path, arrays: dict[str, Any], said: str) -> None:
+def test_unknown_entries_are_an_invalid_file(tmp_path: Path, arrays: dict[str, Any], said: str) -> None:
     path = tmp_path / "one.npz"
     record.save(full(), path)
     whole = array_file.read(path) if "meta" not in arrays else {}

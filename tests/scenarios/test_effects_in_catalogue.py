@@ -32,7 +32,7 @@ def shown(name: str, force: tuple[str, ...]) -> tuple[list[FrameRecord], Avatars
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_what_is_not_called_for_is_not_run_and_forced_on_it_changes_nothing(name: str) -> None:
+def test_unused_effects_are_skipped_and_change_nothing_if_forced(name: str) -> None:
     effects = catalog.get(name).build().effects
     plain, engine = shown(name, ())
     for stage, effect in STAGES.items():

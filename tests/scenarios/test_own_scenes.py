@@ -175,7 +175,7 @@ def test_a_recording_brings_its_own_skeleton(boxes: str, tmp_path: Path) -> None
     assert len(scene.avatars[0].links) == 2 and {"a", "ball"} <= set(scene.names)
 
 
-def test_pairs_that_a_room_keeps_apart_stay_apart_under_new_names(boxes: str, arm: tuple[str, str], tmp_path: Path) -> None:
+def test_excluded_pairs_of_a_room_stay_under_new_names(boxes: str, arm: tuple[str, str], tmp_path: Path) -> None:
     stuck = tmp_path / "stuck.xml"
     apart = '</worldbody><contact><exclude body1="a" body2="ball"/></contact>'
     stuck.write_text(BOXES.format(height=0.15).replace('pos="0', 'pos="3').replace("</worldbody>", apart))
@@ -184,7 +184,7 @@ def test_pairs_that_a_room_keeps_apart_stay_apart_under_new_names(boxes: str, ar
     assert ("room_a", "room_ball") in {tuple(sorted(pair)) for pair in scenario.build().exclude}
 
 
-def test_a_recording_of_a_live_session_is_a_scene_with_its_motion(tmp_path: Path) -> None:
+def test_live_recording_is_a_scene_with_its_motion(tmp_path: Path) -> None:
     world = World(plan())
     recorder = Recorder(tmp_path / "mine.live", world.plan, world.shown.state_hash())
     for frame in range(1, 91):

@@ -92,7 +92,7 @@ BELOW = 1.0 + 0.7 * (TIME_FACTOR - 1.0)
 @pytest.mark.parametrize(("machine", "own", "seed"), [
     (0.2, 1.0, 2), (1.0, 1.0, 2), (4.0, 1.0, 2), (1.0, BELOW, 1), (3.0, BELOW, 1), (1.0, 2.0, 2), (3.0, 2.0, 2),
 ])
-def test_an_engine_that_slows_by_more_than_the_machine_and_the_limit_is_listed(machine: float, own: float, seed: int) -> None:
+def test_engine_slower_than_machine_and_limit_is_listed(machine: float, own: float, seed: int) -> None:
     old = times_run(EVEN)
     new = times_run({run: machine * value * (own if run == OURS else 1.0) for run, value in EVEN.items()}, seed=seed)
     expected = {("a", OURS, f"frame_time_{name}") for name in ("p50", "p95")} if own > TIME_FACTOR else set()
@@ -155,7 +155,7 @@ def test_another_machine_explains_small_differences(metric: str, value: float | 
     assert [one[-1] for one in listed(against_baseline(baseline(kept), run, "baseline"))] == verdicts
 
 
-def test_scenes_of_the_baseline_that_did_not_run_are_named_and_other_engines_ignored() -> None:
+def test_baseline_scenes_that_did_not_run_are_named() -> None:
     run = run_of([figure("a", OURS, OVERLAP, 0.0, "pass", 1.0), figure("b", MUJOCO, OVERLAP, 1.0)])
     found = against_baseline(baseline({OVERLAP: 0.0}, "ac"), run, "baseline")
     assert listed(found) == [] and found.gone == ("c",)

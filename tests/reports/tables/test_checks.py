@@ -70,7 +70,7 @@ def test_a_row_without_a_figure_has_its_part(more: Row, part: str) -> None:
     assert found.is_sound == (part == "refused")
 
 
-def test_a_sound_run_has_ended_and_checked_something_of_the_gated_engine() -> None:
+def test_sound_run_has_ended_and_checked_the_gated_engine() -> None:
     assert sound().is_sound and not sound(exit_code=None).is_sound
     assert sound(figure("a", MUJOCO, OVERLAP, 9.0, "info", 1.0)).total == 1
     found = checks(run_of([figure("a", OURS, OVERLAP, 0.0)]))

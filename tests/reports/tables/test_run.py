@@ -20,7 +20,7 @@ def test_the_gated_engine_is_the_one_with_checks() -> None:
     assert run_of([figure("a", MUJOCO, OVERLAP, 0.0)]).gated == OURS and some().avatars == {"b"}
 
 
-def test_short_tables_begin_with_the_gated_engine_and_end_with_the_baseline() -> None:
+def test_tables_go_from_the_gated_engine_to_the_baseline() -> None:
     runs = some(MUJOCO).runs
     assert runs[0] == MUJOCO and runs[-1] == RAW and len(set(runs)) == len(runs)
     assert {OURS, MUJOCO, BULLET, "newcomer/fast", RAW} <= set(runs)
@@ -39,7 +39,7 @@ def test_no_number_is_measured_and_nothing_is_not() -> None:
     assert not run_of([figure("a", OURS, "run", None, "crashed")]).rows.measured.any()
 
 
-def test_a_variant_stands_in_where_the_figure_of_its_preset_does_not_compare() -> None:
+def test_variant_stands_in_for_a_preset_that_cannot_compare() -> None:
     """MuJoCo's tuned ball joints have no twist limit; its preset hinges limits other angles, so neither is compared."""
     metric, hinges = "joint_limit_excess_max", "mujoco/hinges"
     lacking = {MUJOCO: {"twist limits": "none"}, hinges: {"swing and twist limits": "of Cardan angles"}}

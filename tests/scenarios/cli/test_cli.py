@@ -30,7 +30,7 @@ def test_0_when_every_check_passes(site: Path, tmp_path: Path, capsys: pytest.Ca
 
 
 @pytest.mark.parametrize("engines", [["frozen"], ["frozen", "absent"]])
-def test_1_when_a_gated_bound_failed_also_beside_a_missing_engine(
+def test_1_when_a_gated_bound_failed(
     site: Path, tmp_path: Path, engines: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert called(tmp_path, "check", "--engine", *engines, *BALL, frames=40) == 1
@@ -154,7 +154,7 @@ def test_json_is_the_only_output(site: Path, tmp_path: Path, capsys: pytest.Capt
     assert ("residual_overlap_max", "m") in [(row["metric"], row["unit"]) for row in json.loads(capsys.readouterr().out)]
 
 
-def test_without_a_filter_times_are_those_of_everyday_scenes_and_a_comparison_takes_all(
+def test_bench_takes_everyday_scenes_and_compare_takes_all(
     site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     drop = catalog.get("ball_drop")
@@ -176,7 +176,7 @@ def test_without_a_filter_times_are_those_of_everyday_scenes_and_a_comparison_ta
     assert taken("compare") == taken("bench", "--filter", "*") == taken("compare", "--full") == taken("check") == set(both)
 
 
-def test_many_scenes_are_timed_quickly_in_a_comparison_and_whole_in_a_bench(
+def test_compare_times_many_scenes_quickly_and_bench_whole(
     site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("scenarios.run.harness.QUICK_FROM", 1)
@@ -198,7 +198,7 @@ def test_many_scenes_are_timed_quickly_in_a_comparison_and_whole_in_a_bench(
         assert [row["note"].startswith(rounds) for row in stored if row["metric"] == "frame_time_p50"] == [True]
 
 
-def test_a_scene_that_every_engine_refuses_has_no_times_and_ends_nothing(
+def test_scene_that_every_engine_refuses_has_no_times(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("scenarios.run.harness.QUICK_FROM", 1)
@@ -214,7 +214,7 @@ def test_a_scene_that_every_engine_refuses_has_no_times_and_ends_nothing(
     assert timed == {"ball_drop"} and found["exit_code"] is not None
 
 
-def test_every_preset_and_seed_is_a_run_of_its_own_and_the_same_twice_is_one(site: Path, tmp_path: Path) -> None:
+def test_every_preset_and_seed_is_one_run(site: Path, tmp_path: Path) -> None:
     words = ["check", "--engine", "tunnels", "tunnels", *BALL, "--preset", "default", "other", "--seed", "1", "2", "1"]
     called(tmp_path, *words)
     engines = latest(tmp_path)["engines"]
@@ -246,7 +246,7 @@ def test_a_whole_comparison_in_processes_of_their_own(site: Path, tmp_path: Path
 
 
 @pytest.mark.parametrize("command", ["check", "run", "bench"])
-def test_latest_leads_to_the_last_comparison_and_other_links_to_other_commands(
+def test_each_command_has_a_link_to_its_last_run(
     tmp_path: Path, command: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("reports.write_report", lambda *_: None)

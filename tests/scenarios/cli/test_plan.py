@@ -53,7 +53,7 @@ def test_a_scene_of_any_kind_is_found_by_name() -> None:
             wrong("unseen_dor")
 
 
-def test_the_seed_follows_the_commit_and_without_a_repository_the_code(tmp_path: Path) -> None:
+def test_the_seed_follows_the_commit_or_the_code(tmp_path: Path) -> None:
     (tmp_path / "avatarsim").mkdir()
     (tmp_path / "avatarsim" / "a.py").write_text("x = 1\n")
     plain = seeds.draw_from(tmp_path)

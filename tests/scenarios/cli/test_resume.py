@@ -75,7 +75,7 @@ def test_the_command_that_resumes_has_the_option_once() -> None:
     assert found == ["python", "-m", "scenarios", "check", "--filter", "a*,b", "--out", "my runs", "--resume", "/new"]
 
 
-def test_recordings_of_the_earlier_run_are_kept_and_halves_of_a_killed_one_removed(site: Path, tmp_path: Path) -> None:
+def test_resuming_keeps_recordings_and_removes_halves(site: Path, tmp_path: Path) -> None:
     called(tmp_path, "check", "--engine", "frozen", *BALL, frames=40)
     folder = last_run(tmp_path)
     kept = folder / "recordings" / "ball_drop.frozen.default.0.npz"
@@ -90,7 +90,7 @@ def test_recordings_of_the_earlier_run_are_kept_and_halves_of_a_killed_one_remov
     assert not dead.exists() and mine.exists()
 
 
-def test_a_command_with_less_than_the_run_that_it_resumes_is_refused(
+def test_resuming_with_fewer_words_is_refused(
     site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str],
 ) -> None:
     """All rows that it does not have would be lost, with their times."""
@@ -117,7 +117,7 @@ def test_a_command_with_less_than_the_run_that_it_resumes_is_refused(
     assert {row["seed"] for row in latest(tmp_path)["rows"]} == {0, 1, 2}
 
 
-def test_results_of_a_whole_run_stay_until_the_command_that_resumes_it_has_ended(
+def test_results_stay_until_the_resuming_command_has_ended(
     site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     called(tmp_path, "run", "--engine", "frozen", *BALL)

@@ -94,7 +94,7 @@ def test_figures_that_were_kept_fail_once_one_has_moved(box: str, tmp_path: Path
     assert called(*words) == 2
 
 
-def test_a_missing_engine_is_listed_and_fails_only_where_it_is_gated(
+def test_missing_engine_fails_only_where_it_is_gated(
     box: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "pybullet", None)
@@ -150,7 +150,7 @@ def test_a_unit_of_another_quantity_is_refused() -> None:
     (["a/b", "a/b"], ["c"], True, ["a/b"]), ([], ["c", "d/e"], True, ["c", "d/e"]), ([], [], True, ["avatarsim/default"]),
     ([], [], False, ["avatarsim/default"]), ([], ["c"], False, []), ([], ["c", "avatarsim"], False, ["avatarsim/default"]),
 ])
-def test_limits_are_for_gates_then_chosen_engines_then_the_one_that_promises(
+def test_limits_are_for_gates_then_engines_then_ours(
     gates: list[str], engines: list[str], limited: bool, found: list[str]
 ) -> None:
     assert gates_of(gates, engines, {"residual_overlap_max": 1e-3} if limited else {}) == found

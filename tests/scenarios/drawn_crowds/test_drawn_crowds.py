@@ -21,7 +21,7 @@ def scenes(count: int) -> list[Scene]:
     return [drawn_crowds.draw(seed).build() for seed in range(count)]
 
 
-def test_a_seed_draws_the_same_scene_and_motion_and_another_seed_others() -> None:
+def test_a_seed_draws_one_scene_and_motion() -> None:
     def of(seed: int) -> tuple[str, bytes]:
         scenario = drawn_crowds.draw.__wrapped__(seed)
         scene = scenario.build()
@@ -38,7 +38,7 @@ def test_two_hundred_crowds_overlap_nowhere_at_the_start() -> None:
         assert Judge(scene).overlaps(*first_poses(scene)).deepest == 0.0, scene.name
 
 
-def test_two_hundred_crowds_have_every_kind_shape_and_law_that_they_should() -> None:
+def test_two_hundred_crowds_have_every_kind_shape_and_law() -> None:
     drawn = scenes(200)
     kinds = Counter(scene.name.split("_")[1] for scene in drawn)
     assert kinds == {"poured": 34, "struck": 34, "swept": 33, "gripped": 33, "kicked": 33, "moved": 33}

@@ -64,7 +64,7 @@ def on(words: list[str], where: generic.Cluster) -> Iterator[tuple[str, str | Di
     return side_by_side(test_cluster.act, words, where)
 
 
-def test_each_task_has_its_answer_or_how_it_died_and_the_cluster_is_left_to_the_next(address: str) -> None:
+def test_each_task_has_its_answer_or_how_it_died(address: str) -> None:
     early = on(["one"] * 8, cluster(address))
     next(early)
     early.close()
@@ -121,7 +121,7 @@ def test_an_address_without_a_scheduler_is_refused(monkeypatch: pytest.MonkeyPat
             next(side_by_side(str, [1], cluster(wrong)))
 
 
-def test_a_cluster_that_has_lost_its_workers_resumes_with_a_new_one(
+def test_cluster_that_lost_its_workers_resumes_with_a_new_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """The nanny of the killed worker starts another one, which takes longer than many polls."""
@@ -163,7 +163,7 @@ class Client:
     ([{"a", "b"}], 0, []), ([{"a"}, set(), set(), set(), {"c"}], 3, ["a", "b"]), ([{"a"}, None, {"a", "b"}], 0, []),
     ([{"a"}, {"a", "late"}, {"a", "b"}], 0, ["late"]), ([None], 0, []),
 ])
-def test_lines_come_while_there_is_no_worker_and_lost_ones_are_known(
+def test_lost_workers_are_told_and_known(
     looks: list[set[str] | None], lines: int, lost: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(generic, "LOOK_EVERY", 0.001)

@@ -33,7 +33,7 @@ def lines(path: Path) -> list[dict[str, str]]:
     return list(csv.DictReader(path.read_text().splitlines()))
 
 
-def test_csv_has_the_promised_columns_and_an_empty_field_for_nothing(tmp_path: Path) -> None:
+def test_csv_has_its_columns_and_empty_fields(tmp_path: Path) -> None:
     write(results(ROWS), tmp_path)
     found = lines(tmp_path / "results.csv")
     assert tuple(found[0]) == (*RESULTS, *MORE) and not (tmp_path / "bench.csv").exists()
@@ -43,7 +43,7 @@ def test_csv_has_the_promised_columns_and_an_empty_field_for_nothing(tmp_path: P
     assert [row["status"] for row in found] == ["pass", "fail", "crashed", "waived"]
 
 
-def test_csv_has_a_reason_for_figures_that_do_not_compare_engines(tmp_path: Path) -> None:
+def test_csv_says_why_figures_do_not_compare(tmp_path: Path) -> None:
     rows = [replace(ROWS[0], engine="mujoco"), replace(ROWS[0], engine="mujoco", metric="restitution_error_max")]
     bounces = Outcome(Job("drop", "mujoco", "default"), "measured", about={"unsupported": {"restitution": "no coefficient"}})
     write(replace(results(rows), outcomes=[bounces]), tmp_path)
@@ -89,7 +89,7 @@ def test_a_folder_called_latest_is_left_alone(tmp_path: Path) -> None:
     assert (tmp_path / "latest" / "mine.txt").read_text() == "mine"
 
 
-def test_a_run_that_has_ended_is_checked_once_its_figures_are_safe(tmp_path: Path) -> None:
+def test_ended_run_is_checked_once_its_figures_are_safe(tmp_path: Path) -> None:
     broken = [replace(ROWS[0], scenario=None)]  # type: ignore[arg-type]
     write(results(broken, None), tmp_path)
     with pytest.raises(InvalidFile, match=r"^rows\[0\]\.scenario"):

@@ -38,7 +38,7 @@ def test_a_study_is_told_of_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert told[0].presets["avatarsim"] == ("default", "paper") and told[0].workers == 0
 
 
-def test_a_study_that_fails_leaves_the_run_incomplete_and_the_others_asked(
+def test_failing_study_leaves_the_run_incomplete(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     done = []

@@ -18,7 +18,7 @@ G, MASS = 9.81, 2.0
     ("velocities", (0.0, 0.0, 0.0), 0.0), ("velocities", (3.0, 0.0, 0.0), 9.0), ("velocities", (0.0, 0.0, 0.7), 0.0),
     ("angular_velocities", (0.0, 10.0, 0.0), 50.0 * 0.4 * MASS * RADIUS**2),
 ])
-def test_an_injected_gain_of_a_falling_ball_comes_out_in_joules_and_a_loss_is_none(
+def test_injected_energy_gain_comes_out_in_joules(
     field: str, change: tuple[float, float, float], added: float,
 ) -> None:
     recording = resting(drop_scene(), 20)
@@ -70,13 +70,13 @@ def struck_fist(fist_after: float) -> tuple[Recording, Scene]:
     ), scene
 
 
-def test_an_impact_that_throws_a_link_is_seen_although_the_link_is_near() -> None:
+def test_impact_that_throws_a_link_is_seen() -> None:
     """The ball brings 9 J; a fist of 1 kg that leaves at 18 m/s has 162 J."""
     recording, scene = struck_fist(18.0)
     assert energy(recording, scene)["energy_added_max"] == pytest.approx(153.0)
 
 
-def test_a_link_that_takes_no_more_than_the_body_loses_adds_nothing() -> None:
+def test_link_that_takes_what_the_body_loses_adds_nothing() -> None:
     recording, scene = struck_fist(4.0)
     assert energy(recording, scene)["energy_added_max"] == pytest.approx(0.0, abs=1e-12)
 

@@ -70,7 +70,7 @@ def precessing(rate: float, spin: float, lean: float = 0.2) -> Recording:
 
 
 @pytest.mark.parametrize(("rate", "spin"), [(4.3, 200.0), (-3.1, 200.0), (4.0, 188.0), (12.0, 201.5)])
-def test_a_top_is_compared_by_its_own_spin_and_by_how_its_axis_goes_round(rate: float, spin: float) -> None:
+def test_top_is_compared_by_spin_and_precession(rate: float, spin: float) -> None:
     found = tops(precessing(rate, spin), expecting(FRAMES, tops=(Top("ball", 200.0, 4.0),)), drop_scene())
     assert found["axis_spin_error_max"] == pytest.approx(abs(spin - 200.0), abs=1e-9)
     assert found["precession_error_max"] == pytest.approx(abs(rate - 4.0), abs=1e-9)

@@ -136,7 +136,7 @@ def test_jitter_of_a_sine_sampled_at_its_turns_is_its_swing(every: int, dt: floa
     assert large["jitter_rms"] == pytest.approx(SHAKES * dt * math.sqrt((frames - 1) / frames))
 
 
-def test_acceleration_beyond_the_users_is_that_of_a_limb_that_runs_home() -> None:
+def test_own_acceleration_is_that_beyond_the_users() -> None:
     """A link that accelerates at 2 m/s^2 from a resting user, and one that follows its user exactly."""
     times = DT * np.arange(30)[:, None, None]
     shown, rests = times**2 * np.array([1.0, 0.0, 0.0]) + 0.01, np.zeros((30, 1, 3))
@@ -198,14 +198,14 @@ def test_what_is_no_number_shakes_is_off_and_spoils_the_rest() -> None:
     assert found["dash_frames"] == 21
 
 
-def test_without_contact_the_figure_is_missing_and_without_avatar_there_is_none() -> None:
+def test_smoothness_needs_contact_and_an_avatar() -> None:
     recording, free, contact = case(1)
     found = smoothness(recording, arm_scene(), free, np.zeros_like(contact))
     assert all(isinstance(found[name], Missing) for name in ("chatter_frames", "reversal_p95"))
     assert smoothness(resting(drop_scene(), 4), drop_scene(), free, contact) == {}
 
 
-def test_contact_is_where_the_target_is_not_free_or_a_shown_link_is_near() -> None:
+def test_contact_is_a_bad_target_or_a_near_link() -> None:
     """The fist's user moves into the wall from frame 20 on; the shown fist stops before it, or is moved to the side."""
     recording, known, link = walked(30), Known(fist(), fist_scene()), 1
     assert known.contact(recording).tolist() == [k >= 20 for k in range(31)]

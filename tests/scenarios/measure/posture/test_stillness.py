@@ -27,7 +27,7 @@ def test_a_nanometre_of_movement_is_movement() -> None:
     assert still_frames(recording) == {"still_frames": 0.0}
 
 
-def test_a_user_who_moves_less_than_a_millimetre_asks_for_nothing() -> None:
+def test_user_who_moves_under_a_millimetre_asks_nothing() -> None:
     recording = walked(10)
     frozen = recording.positions[:1].repeat(11, 0)
     assert still_frames(replace(recording, positions=frozen)) == {"still_frames": 100.0}

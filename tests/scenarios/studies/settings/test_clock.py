@@ -24,7 +24,7 @@ def test_an_entry_has_percentiles_or_a_reason() -> None:
     assert none["note"] == "it died" and none["p50"] is None and (none["repeats"], none["frames"]) == (0, 0)
 
 
-def test_frames_at_rest_and_in_motion_have_medians_where_both_are_many() -> None:
+def test_rest_and_motion_have_medians_where_both_are_many() -> None:
     job, still = Job("stop_distance", "mujoco", "tuned"), PHASE_FRAMES
     timed = Timed(np.array([[9000] * (still + 10) + [1000] * still], dtype=np.int64))
     found = time_entry(Clocked(job, timed), 1, [0] * (still + 10) + [1] * still)

@@ -20,7 +20,7 @@ def test_it_takes_as_long_and_passes_through_every_sample() -> None:
         assert fine(4 * k + 3).time == coarse(k).time
 
 
-def test_between_samples_it_is_what_engines_with_steps_of_their_own_are_given() -> None:
+def test_parts_between_samples_are_the_targets_of_engines() -> None:
     whole, cut = catalog.get("mocap_punch_wall"), finer.get("mocap_punch_wall~8")
     scene = whole.build()
     coarse, fine, targets = whole.motion(scene, 0), cut.motion(scene, 0), Targets(scene, clamp=False)

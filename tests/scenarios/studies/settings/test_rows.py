@@ -38,7 +38,7 @@ def test_a_cell_without_figures_is_one_row(found: dict[str, object], state: str,
     assert (row.metric, row.status, row.note, row.value) == ("run", state, note, None)
 
 
-def test_a_missing_figure_keeps_its_reason_and_an_untimed_cell_says_so() -> None:
+def test_missing_figure_and_untimed_cell_have_reasons() -> None:
     found = {**entry(residual_overlap_max=math.nan, not_finite_frames=3.0), "missing": {"wrong_side_frames": "no region"}}
     rows = {row.metric: row for row in rows_of(CELL, METRICS, found, {"p50": None, "note": "it died"})}
     assert (rows["wrong_side_frames"].value, rows["wrong_side_frames"].note) == (None, "no region")
