@@ -32,10 +32,8 @@ def running(speed: float, until: int = ROW) -> Recording:
     """Return a recording in which each domino passes TOPPLED when the front arrives; those from `until` on are never reached."""
     recording = resting(row(), FRAMES)
     for k in range(until):
-        begins = 0.1 + PITCH * k / speed
-        for frame, time in enumerate(recording.times):
-            lean = np.clip(TOPPLED + FALL * (time - begins), 0.0, 1.2)
-            recording.orientations[frame, k] = rotation.from_axis_angle((0.0, 1.0, 0.0), lean)
+        lean = np.clip(TOPPLED + FALL * (recording.times - 0.1 - PITCH * k / speed), 0.0, 1.2)
+        recording.orientations[:, k] = rotation.from_axis_angle((0.0, 1.0, 0.0), lean)
     return recording
 
 

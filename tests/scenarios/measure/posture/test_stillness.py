@@ -10,21 +10,16 @@ from scenarios.measure.posture.stillness import movement, still_frames
 from tests.scenarios.examples import fist_scene, resting, walked
 
 
-def test_nobody_moves_nobody_is_still() -> None:
-    assert still_frames(resting(fist_scene(), 10)) == {"still_frames": 0.0}
-
-
 def test_injected_stillness_comes_out() -> None:
+    """Nobody is still where nobody moves; a nanometre of movement is movement, and no number is none."""
     recording = walked(10)
-    assert still_frames(recording) == {"still_frames": 0.0}
+    assert still_frames(recording) == still_frames(resting(fist_scene(), 10)) == {"still_frames": 0.0}
     recording.positions[4:7] = recording.positions[3]
     assert still_frames(recording) == {"still_frames": 30.0}
-
-
-def test_a_nanometre_of_movement_is_movement() -> None:
-    recording = walked(10)
     recording.positions[:, 1] = np.arange(11)[:, None] * 2e-9
     assert still_frames(recording) == {"still_frames": 0.0}
+    recording.positions[:] = np.nan
+    assert still_frames(recording) == {"still_frames": 100.0}
 
 
 def test_user_who_moves_under_a_millimetre_asks_nothing() -> None:
@@ -33,12 +28,6 @@ def test_user_who_moves_under_a_millimetre_asks_nothing() -> None:
     assert still_frames(replace(recording, positions=frozen)) == {"still_frames": 100.0}
     slow = replace(recording, positions=frozen, raw_positions=recording.raw_positions * 0.045)
     assert still_frames(slow) == {"still_frames": 0.0}
-
-
-def test_not_a_number_has_not_moved() -> None:
-    recording = walked(10)
-    recording.positions[:] = np.nan
-    assert still_frames(recording) == {"still_frames": 100.0}
 
 
 def test_a_turn_moves_a_point_a_tenth_of_a_metre_away() -> None:
