@@ -10,15 +10,13 @@ import pytest
 from numpy.typing import ArrayLike, NDArray
 
 from avatarsim.assets.motions.deepmimic import LAYOUT
-from avatarsim.errors import InvalidFile, MissingPackage, UnknownName
+from avatarsim.errors import InvalidFile, UnknownName
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.joint import Ball, Free, Hinges, Rigid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
 from avatarsim.spatial import rotation
 from reference.judging.judge import Judge
-from scenarios import data_folder
-from scenarios.building.avatars import shadow_hand as hand_file
 from scenarios.building.avatars.humanoid import CHAINS, humanoid
 from scenarios.building.avatars.limits import HINGES, RANGES, WIDEST_REACH, ball_limits, ends, hinge_limits, reach_cone, tilted
 from scenarios.building.avatars.mjcf import Mjcf, parsed
@@ -213,12 +211,6 @@ def test_what_overlaps_at_rest_is_what_the_hand_ignores() -> None:
     assert found == {frozenset(pair) for pair in hand.ignore}
     human = hinged_humanoid()
     assert Judge(Scene("human", (), (human,))).overlaps(*link_poses((human,), rest((human,)))).deepest == 0.0
-
-
-def test_the_hand_needs_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(data_folder, "find_spec", lambda name: None)
-    with pytest.raises(MissingPackage, match="gymnasium-robotics"):
-        hand_file.robotics_assets()
 
 
 @pytest.mark.parametrize(("body", "named"), [

@@ -24,7 +24,7 @@ from scenarios.building.cases import driven
 from scenarios.building.gallery import MESHES, convex_pieces, gallery, meshes
 from scenarios.building.reach import reach
 from scenarios.building.things import drawn_hull, prism
-from scenarios.data_folder import data_file
+from scenarios.data_folder import data_file, robotics_assets
 from scenarios.motion.mocap import load_clip
 
 SCENE = Scene("probed", gallery(), (driven("probe", Sphere(0.4), 1.0),))
@@ -77,8 +77,9 @@ def test_objects_stand_in_nothing() -> None:
 
 def test_without_the_data_package_it_is_missing_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(data_folder, "find_spec", lambda name: None)
-    for needs_it in (meshes.__wrapped__, lambda: load_clip("walk")):
-        with pytest.raises(MissingPackage, match="pybullet_data"):
+    packages = "pybullet_data", "pybullet_data", "gymnasium-robotics"
+    for needs_it, package in zip((meshes.__wrapped__, lambda: load_clip("walk"), robotics_assets), packages, strict=True):
+        with pytest.raises(MissingPackage, match=package):
             needs_it()
 
 

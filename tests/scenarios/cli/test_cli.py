@@ -29,11 +29,15 @@ def test_0_when_every_check_passes(site: Path, tmp_path: Path, capsys: pytest.Ca
     assert "exit code 0" in line and str(last_run(tmp_path)) in line and latest(tmp_path)["exit_code"] == 0
 
 
-@pytest.mark.parametrize("engines", [["frozen"], ["frozen", "absent"]])
-def test_1_when_a_gated_bound_failed(
-    site: Path, tmp_path: Path, engines: list[str], capsys: pytest.CaptureFixture[str]
+def test_1_when_a_gated_bound_failed_also_beside_a_missing_engine(
+    site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert called(tmp_path, "check", "--engine", *engines, *BALL, frames=40) == 1
+    """The report is written once the code is known, and before it is returned."""
+    seen: list[int] = []
+    monkeypatch.setattr(
+        "reports.write_report", lambda folder, *_: seen.append(json.loads((folder / "results.json").read_text())["exit_code"])
+    )
+    assert called(tmp_path, "check", "--engine", "frozen", "absent", *BALL, frames=40) == 1 and seen == [1]
     assert "exit code 1" in capsys.readouterr().out.strip().splitlines()[-1]
     assert {row["status"] for row in latest(tmp_path)["rows"] if row["engine"] == "frozen"} >= {"fail"}
 
@@ -55,25 +59,17 @@ def test_2_for_wrong_usage(
     assert err and all(name in err for name in named)
 
 
-def test_run_takes_all_presets_of_an_engine_and_check_its_first(site: Path, tmp_path: Path) -> None:
-    for command, presets in (("run", {"default", "other"}), ("check", {"default"})):
-        called(tmp_path, command, "--engine", "frozen", *BALL)
-        assert {row["preset"] for row in latest(tmp_path)["rows"]} == presets
-
-
-@pytest.mark.parametrize("option", ["--out", "--resume", "--settings"])
-def test_2_for_an_empty_path(site: Path, tmp_path: Path, option: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("option", "value"), [
+    ("--out", ""), ("--resume", ""), ("--settings", ""), ("--out", "/proc/foo"), ("--out", "/dev/null/x"), ("--out", "a_file"),
+])
+def test_2_for_an_empty_path_or_a_folder_that_cannot_be_made(
+    site: Path, tmp_path: Path, option: str, value: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
-    before = sorted(tmp_path.rglob("*"))
-    assert main(["check", "--engine", "tunnels", *BALL, "--frames", "3", "--jobs", "0", option, ""]) == 2
-    assert sorted(tmp_path.rglob("*")) == before
-
-
-@pytest.mark.parametrize("out", ["/proc/foo", "/dev/null/x", "a_file"])
-def test_2_for_a_folder_that_cannot_be_made(site: Path, tmp_path: Path, out: str, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "a_file").write_text("mine")
-    assert main(["check", "--engine", "tunnels", *BALL, "--frames", "3", "--jobs", "0", "--out", str(tmp_path / out)]) == 2
-    assert "--out" in capsys.readouterr().err
+    before = sorted(tmp_path.rglob("*"))
+    assert main(["check", "--engine", "tunnels", *BALL, "--frames", "3", "--jobs", "0", option, value]) == 2
+    assert option in capsys.readouterr().err and sorted(tmp_path.rglob("*")) == before
 
 
 @pytest.mark.parametrize(("engine", "status"), [("absent", "not-measured"), ("raises", "crashed"), ("no_engine", "not-measured")])
@@ -131,16 +127,6 @@ def test_5_when_a_pattern_matches_nothing(
     assert called(tmp_path, *words) == 5
     err = capsys.readouterr().err
     assert all(name in err for name in named)
-
-
-def test_the_report_is_written_before_the_code_is_returned(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    seen: list[int] = []
-
-    def read(run_dir: Path, *_: object) -> None:
-        seen.append(json.loads((run_dir / "results.json").read_text())["exit_code"])
-
-    monkeypatch.setattr("reports.write_report", read)
-    assert called(tmp_path, "check", "--engine", "frozen", *BALL, frames=40) == 1 and seen == [1]
 
 
 def test_json_is_the_only_output(site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -215,6 +201,10 @@ def test_scene_that_every_engine_refuses_has_no_times(
 
 
 def test_every_preset_and_seed_is_one_run(site: Path, tmp_path: Path) -> None:
+    """The same twice is one; without presets, `run` takes all of an engine and `check` its first."""
+    for command, presets in (("run", {"default", "other"}), ("check", {"default"})):
+        called(tmp_path, command, "--engine", "frozen", *BALL)
+        assert {row["preset"] for row in latest(tmp_path)["rows"]} == presets
     words = ["check", "--engine", "tunnels", "tunnels", *BALL, "--preset", "default", "other", "--seed", "1", "2", "1"]
     called(tmp_path, *words)
     engines = latest(tmp_path)["engines"]
