@@ -50,5 +50,5 @@ def test_wrong_usage_ends_with_2(arguments: list[str], named: str, capsys: pytes
 
 
 def test_another_engine_runs_beside(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([*QUIET, "--scene", "hand", "--engine", "mujoco/tuned", "--seconds", "1"]) == 0
+    assert main([*QUIET, "--scene", "hand", "--engine", "mujoco/tuned", "--seconds", "0.2"]) == 0
     assert "http://127.0.0.1:" in capsys.readouterr().err

@@ -10,11 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from avatarsim.errors import InvalidFile
-from avatarsim.simulator import AvatarsimEngine
+from avatarsim.engine import Engine, FrameRecord, Settings
+from avatarsim.errors import InvalidFile, StartOverlaps
+from avatarsim.scene.scene import Scene
 from runfiles.timing_protocol import REPEATS, WARM_FRAMES
 from scenarios import catalog
 from scenarios.__main__ import main
+from scenarios.engines import opened
 from scenarios.measure.timing import TAIL
 from tests.scenarios.command_line import called, last, last_run, latest
 
@@ -29,7 +31,7 @@ def test_0_when_every_check_passes(site: Path, tmp_path: Path, capsys: pytest.Ca
     assert "exit code 0" in line and str(last_run(tmp_path)) in line and latest(tmp_path)["exit_code"] == 0
 
 
-def test_1_when_a_gated_bound_failed_also_beside_a_missing_engine(
+def test_1_when_a_gated_bound_failed(
     site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The report is written once the code is known, and before it is returned."""
@@ -184,17 +186,18 @@ def test_compare_times_many_scenes_quickly_and_bench_whole(
         assert [row["note"].startswith(rounds) for row in stored if row["metric"] == "frame_time_p50"] == [True]
 
 
-def test_scene_that_every_engine_refuses_has_no_times(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_scene_that_every_engine_refuses_has_no_times(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("scenarios.run.harness.QUICK_FROM", 1)
-    # a start that overlaps and is required to be exact
-    load = AvatarsimEngine.load
-    monkeypatch.setattr(
-        AvatarsimEngine, "load", lambda self, scene, settings, dt: load(self, scene, replace(settings, start="exact"), dt)
-    )
-    words = ["compare", "--engine", "avatarsim", "--preset", "default", "--filter", "coincident_start,ball_drop", "--jobs", "0"]
-    called(tmp_path, *words, frames=2)
+    engine = type(opened("tunnels"))
+    load = engine.load
+
+    def refusing(self: Engine, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
+        if scene.name == "coincident_start":
+            raise StartOverlaps([("a", "b", 0.1)])
+        return load(self, scene, settings, dt)
+
+    monkeypatch.setattr(engine, "load", refusing)
+    called(tmp_path, "compare", "--engine", "tunnels", "--preset", "default", "--filter", "coincident_start,ball_drop", frames=2)
     found = latest(tmp_path)
     timed = {row["scenario"] for row in found["rows"] if row["metric"] == "frame_time_p50" and row["value"] is not None}
     assert timed == {"ball_drop"} and found["exit_code"] is not None
@@ -235,15 +238,13 @@ def test_a_whole_comparison_in_processes_of_their_own(site: Path, tmp_path: Path
     assert [path.name for path in (last_run(tmp_path) / "recordings").iterdir()] == ["ball_drop.talks.default.0.npz"]
 
 
-@pytest.mark.parametrize("command", ["check", "run", "bench"])
-def test_each_command_has_a_link_to_its_last_run(
-    tmp_path: Path, command: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("reports.write_report", lambda *_: None)
-    out, words = tmp_path / "out", [*BALL, "--engine", "avatarsim", "--preset", "default"]
-    links = []
-    for one in (command, "compare", command):
-        called(tmp_path, one, *words, frames=2)
-        links.append({path.name: path.readlink().name for path in out.glob("latest*")})
-    assert set(links[0]) == {f"latest-{command}"} and set(links[2]) == {"latest", f"latest-{command}"}
-    assert links[2]["latest"] == links[1]["latest"] and links[2][f"latest-{command}"] != links[0][f"latest-{command}"]
+@pytest.mark.usefixtures("no_reports")
+def test_each_command_has_a_link_to_its_last_run(tmp_path: Path) -> None:
+    out, before, names = tmp_path / "out", dict[str, str](), {"compare": "latest"}
+    for command in ("check", "run", "compare", "bench", "check"):
+        called(tmp_path, command, *BALL, "--engine", "tracker", "--preset", "default", frames=2)
+        links = {path.name: path.readlink().name for path in out.glob("latest*")}
+        moved = names.get(command, f"latest-{command}")
+        assert {name for name, target in links.items() if before.get(name) != target} == {moved}
+        before = links
+    assert set(before) == {"latest", "latest-check", "latest-run", "latest-bench"}

@@ -21,6 +21,9 @@ from scenarios.run import processes as module
 from scenarios.run.harness import Run
 from scenarios.run.processes import cluster, side_by_side
 from scenarios.run.provenance import provenance
+from scenarios.studies.contact_law import worlds
+from scenarios.studies.hard_cases import ask as hard_cases
+from scenarios.studies.hard_cases.plan import trials
 from tests.scenarios.killed import differing, of_run, run_of
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -65,7 +68,7 @@ def on(words: list[str], where: generic.Cluster) -> Iterator[tuple[str, str | Di
 
 
 def test_each_task_has_its_answer_or_how_it_died(address: str) -> None:
-    early = on(["one"] * 8, cluster(address))
+    early = on(["one"] * 4, cluster(address))
     next(early)
     early.close()
     words = ["one", "die", "two", "raise", "one", "threads"]
@@ -78,9 +81,9 @@ def test_each_task_has_its_answer_or_how_it_died(address: str) -> None:
     assert len({str(answer).split()[-1] for word, answer in found if word in ("one", "two")}) == 3
 
 
-def test_a_comparison_on_a_cluster_leaves_the_same_bytes(address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("reports.write_report", lambda *_: None)
-    words = ["compare", "--engine", "avatarsim", "tracker", "--preset", "default", "--filter", "hand_over_table", "--frames", "6"]
+@pytest.mark.usefixtures("no_reports")
+def test_a_comparison_on_a_cluster_leaves_the_same_bytes(address: str, tmp_path: Path) -> None:
+    words = ["compare", "--engine", "mujoco", "tracker", "--preset", "default", "--filter", "hand_over_table", "--frames", "6"]
     here, there = tmp_path / "here", tmp_path / "there"
     codes = [main([*words, "--out", str(here), "--jobs", "2"]), main([*words, "--out", str(there), "--scheduler", address])]
     assert codes[0] == codes[1] and len(list(run_of(there).glob("recordings/*.npz"))) == 2
@@ -88,7 +91,10 @@ def test_a_comparison_on_a_cluster_leaves_the_same_bytes(address: str, tmp_path:
     assert json.loads((run_of(there) / "results.json").read_text())["provenance"]["timing"]["seconds"] > 0.0
 
 
-def test_studies_on_a_cluster_find_the_same(address: str, tmp_path: Path) -> None:
+def test_studies_on_a_cluster_find_the_same(address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(hard_cases, "trials", lambda: trials()[:4])
+    monkeypatch.setattr(worlds, "SHAPES", worlds.SHAPES[:1])
+    monkeypatch.setattr(worlds, "RATES", worlds.RATES[:1])
     words = ["study", "hard_cases", "contact_law", "--engine", "mujoco", "--preset", "default", "--filter", "squeeze"]
     found = []
     for name, more in (("here", ["--jobs", "2"]), ("there", ["--scheduler", address])):

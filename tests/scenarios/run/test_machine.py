@@ -5,13 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.run.machine import Meter, busy_seconds, clock, load_average, usable_cpus
-
-
-def test_this_machine_has_a_processor() -> None:
-    assert usable_cpus() >= 1
-    load = load_average()
-    assert load is None or len(load) == 3
+from scenarios.run.machine import Meter, busy_seconds, clock
 
 
 def test_the_clock_is_that_of_the_fastest(tmp_path: Path) -> None:

@@ -99,11 +99,15 @@ def test_engines_are_compared_by_what_all_had() -> None:
 
 
 def test_frames_before_the_window_run_and_are_not_timed() -> None:
-    late, early = (Job("hand_over_table", "avatarsim", preset, frames=40) for preset in ("default", "paper"))
-    found = compared(timed_pass([late, early], True, [Round(REPEATS, 30, 10), Round(REPEATS, 15, 25)]))
-    whole = timed_pass([late], True, [Round(REPEATS, 0, 40)])[0].timed
+    """In a process that stays they are its warm-up."""
+    late, early = (Job("hand_over_table", "avatarsim", preset, frames=50) for preset in ("default", "paper"))
+    plan = [Round(REPEATS, WARM_FRAMES, 10), Round(REPEATS, WARM_FRAMES - 1, 20)]
+    with TimedWorkers() as workers:
+        found = compared(timed_pass([late, early], True, plan, [workers.at(job.run) for job in (late, early)]))
+    whole = timed_pass([late], True, [Round(1, 0, WARM_FRAMES + 10)])[0].timed
     for one in found:
-        assert one.timed is not None and one.timed.shared == Round(REPEATS, 30, 10) and one.timed.compared_us.shape == (10,)
+        assert one.timed is not None and one.timed.shared == plan[0] and one.timed.warm_frames == WARM_FRAMES
+        assert one.timed.compared_us.shape == (10,)
     # its final bits equal those of a run timed from its start
     assert whole is not None and found[0].timed is not None and set(found[0].timed.hashes) == set(whole.hashes)
 
@@ -126,16 +130,6 @@ def test_scenes_share_warm_processes_and_frames() -> None:
             # both are shorter than the frames required of a longer one
             assert one.timed is not None and one.timed.around_ns.shape == (REPEATS, get(scene).as_run(False).frames)
             assert np.isnan(one.timed.warmup) and one.timed.warm_frames == WARM_FRAMES and len(set(one.timed.hashes)) == 1
-
-
-def test_frames_before_a_late_window_are_its_warm_up() -> None:
-    late, early = (Job("hand_over_table", "avatarsim", preset, frames=50) for preset in ("default", "paper"))
-    with TimedWorkers() as workers:
-        plan = [Round(1, WARM_FRAMES, 10), Round(1, WARM_FRAMES - 1, 10)]
-        found = timed_pass([late, early], True, plan, [workers.at(job.run) for job in (late, early)])
-    whole = timed_pass([late], True, [Round(1, 0, WARM_FRAMES + 10)])[0].timed
-    assert all(one.timed is not None and one.timed.warm_frames == WARM_FRAMES for one in found)
-    assert whole is not None and found[0].timed is not None and found[0].timed.hashes == whole.hashes
 
 
 def test_an_engine_that_dies_has_a_new_process_in_the_next_scene(

@@ -51,7 +51,7 @@ def test_a_hinge_bent_off_its_axis_is_an_excess() -> None:
     assert found["joint_limit_excess_max"] == pytest.approx(4.0, abs=1e-9)
 
 
-def test_a_link_torn_off_is_a_gap_and_no_number_is_no_excess_of_zero() -> None:
+def test_torn_link_is_a_gap_and_nan_is_no_excess_of_zero() -> None:
     recording = posed()
     recording.positions[1, 2, 1] += 0.007
     assert limit_excess(recording, SCENE)["joint_gap_max"] == pytest.approx(0.007, abs=1e-15)
