@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reports.reading.load import Row
@@ -77,6 +77,7 @@ def test_sound_run_has_ended_and_checked_the_gated_engine() -> None:
     assert found.total == 0 and not found.is_sound
 
 
+@settings(max_examples=30)
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8, unique=True))
 def test_least_room_is_what_is_nearest_to_its_bound(shares: Sequence[float]) -> None:
     rows = [figure(f"s{k}", OURS, OVERLAP, share * (k + 1.0), "pass", k + 1.0) for k, share in enumerate(shares)]

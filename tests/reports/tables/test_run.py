@@ -15,18 +15,13 @@ def some(gated: str = OURS) -> Run:
     return run_of([*rows, figure("b", MUJOCO, AVATAR_METRIC, 0.0)])
 
 
-def test_the_gated_engine_is_the_one_with_checks() -> None:
+def test_the_gated_engine_is_the_one_with_checks_and_first_in_tables() -> None:
+    """The baseline is last, and rivals are the engines between."""
     assert some().gated == OURS and some(MUJOCO).gated == MUJOCO
     assert run_of([figure("a", MUJOCO, OVERLAP, 0.0)]).gated == OURS and some().avatars == {"b"}
-
-
-def test_tables_go_from_the_gated_engine_to_the_baseline() -> None:
     runs = some(MUJOCO).runs
     assert runs[0] == MUJOCO and runs[-1] == RAW and len(set(runs)) == len(runs)
     assert {OURS, MUJOCO, BULLET, "newcomer/fast", RAW} <= set(runs)
-
-
-def test_rivals_are_other_engines_without_the_baseline() -> None:
     assert set(some().rivals) == {MUJOCO, BULLET, "newcomer/fast"}
     assert set(some(MUJOCO).rivals) == {OURS, "avatarsim/paper", BULLET, "newcomer/fast"}
 

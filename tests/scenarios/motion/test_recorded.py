@@ -94,12 +94,10 @@ def numbered(frames: int) -> Track:
     return Track(positions, np.tile(rotation.IDENTITY, (frames, 1, 1)), np.zeros((frames, 0)))
 
 
-def test_tracks_go_backwards_and_there_and_back() -> None:
+def test_tracks_go_backwards_and_there_and_back_and_end_at_rest() -> None:
+    """Times are those of the end of the frame, and the last posture stays."""
     assert numbered(4).there_and_back(9).positions[:, 0, 0].tolist() == [0, 1, 2, 3, 2, 1, 0, 1, 2]
     assert numbered(3).backwards().positions[:, 0, 0].tolist() == [2, 1, 0]
-
-
-def test_times_are_of_frame_ends_and_the_last_posture_stays() -> None:
     motion = numbered(3).motion()
     assert motion(0).time == pytest.approx(1.0 / 60.0)
     assert motion(59).time == pytest.approx(1.0) and motion(59).positions[0, 0] == 2.0

@@ -40,11 +40,8 @@ def test_short_runs_and_scenes_without_avatar() -> None:
 
 
 @pytest.mark.parametrize("name", ["stack_ten", "stack_ten~0", "stack_ten~-2", "stack_ten~1.5", "stack_ten~9999", "stack_ten~"])
-def test_parts_that_make_no_sense(name: str) -> None:
+def test_parts_that_make_no_sense_and_unknown_scenes_are_refused(name: str) -> None:
     with pytest.raises(InvalidInput, match="parts of a frame"):
         finer.get(name)
-
-
-def test_a_scene_that_nobody_has() -> None:
     with pytest.raises(UnknownName):
         finer.get("nowhere~2")
