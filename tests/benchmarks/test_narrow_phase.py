@@ -63,13 +63,10 @@ def test_answers_belong_to_their_pairs(contender: Contender, cell: Cell, mode: M
     assert errors_of(answers, truths(trial, range(3))).max() <= EXACT.get(contender.name, LOOSE)
 
 
-def test_a_library_that_is_missing_is_left_out() -> None:
+def test_missing_library_is_left_out_and_answer_is_infinite() -> None:
     found, absent = contenders(("avatarsim", "nothing"))
     assert [one.name for one in found] == ["avatarsim", "avatarsim+place", "avatarsim/call"] and set(absent) == {"nothing"}
     assert len({one.name for one in THERE}) == len(THERE)
-
-
-def test_missing_answer_or_nan_is_an_infinite_error() -> None:
     assert np.isinf(errors_of(np.array([np.inf, np.nan]), np.zeros(2))).all()
     assert errors_of(np.array([1.0]), np.array([1.5])) == pytest.approx(0.5)
 

@@ -17,9 +17,7 @@ def entry(state: str = "measured", **values: float) -> Entry:
 def test_what_is_a_length_counts_and_how_it_follows_does_not() -> None:
     assert counts(OVERLAP) and counts(STOP) and not counts(OFFSET) and not counts("spin_error_max")
     assert follows(math.nan) and follows(FOLLOWS) and not follows(1.001 * FOLLOWS)
-
-
-def test_largest_error_counts_in_metres() -> None:
+    # the largest counts, and a percent of a way is ten millimetres
     assert largest(entry(residual_overlap_max=1e-3, stop_distance_error_max=1.0), (OVERLAP, STOP)) == pytest.approx(1e-2)
     assert largest(entry(residual_overlap_max=1e-3, stop_distance_error_max=1.0), (OVERLAP,)) == 1e-3
 

@@ -103,13 +103,11 @@ def test_a_number_that_is_none_breaks_every_bound() -> None:
             Bound("residual_overlap_max", limit, reason)
 
 
-def test_an_expectation_that_no_measure_reads_is_refused() -> None:
+def test_regions_find_their_bodies_by_pattern() -> None:
+    """Without any, or with an inverted box, they are refused, as are expectations that no measure reads."""
     scenario = catalog.get("ball_drop")
     with pytest.raises(UnknownName, match=r"expects.*'drop'.*drops"):
         replace(scenario, expects={"drop": scenario.expects["drops"]})
-
-
-def test_regions_find_their_bodies_by_pattern() -> None:
     region = Region(("human/left*", "ball"), (-1.0, -1.0, -1.0), (1.0, 1.0, 1.0), "because")
     assert region.indices(("floor", "ball", "human/left_hip", "human/neck")) == (1, 2)
     with pytest.raises(UnknownName, match="human/left"):

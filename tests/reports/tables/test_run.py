@@ -15,7 +15,7 @@ def some(gated: str = OURS) -> Run:
     return run_of([*rows, figure("b", MUJOCO, AVATAR_METRIC, 0.0)])
 
 
-def test_the_gated_engine_is_the_one_with_checks_and_first_in_tables() -> None:
+def test_gated_engine_has_checks_and_is_first_in_tables() -> None:
     """The baseline is last, and rivals are the engines between."""
     assert some().gated == OURS and some(MUJOCO).gated == MUJOCO
     assert run_of([figure("a", MUJOCO, OVERLAP, 0.0)]).gated == OURS and some().avatars == {"b"}

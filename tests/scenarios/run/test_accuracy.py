@@ -67,19 +67,15 @@ def test_engines_of_a_scene_share_what_is_prepared(other: dict[str, object]) -> 
     assert prepare(job("fist", **other)) is not first and prepare(job("drop")).scene.name != first.scene.name
 
 
-def test_a_scenario_of_the_same_name_is_prepared_anew(offered: dict[str, Scenario]) -> None:
-    first = prepare(job("fist"))
-    offered["fist"] = fist()
-    assert prepare(job("fist")) is not first
-
-
-@pytest.mark.usefixtures("offered")
-def test_the_tracker_has_its_links_where_kinematics_says() -> None:
+def test_the_tracker_has_its_links_where_kinematics_says(offered: dict[str, Scenario]) -> None:
+    """And a scenario of the same name is prepared anew."""
     found = prepare(job("fist"))
     assert len(found.states) == found.scenario.frames + 1 and found.states[0] is found.scene.first_sample
     for k, state in enumerate(found.states):
         positions, orientations = link_poses(found.scene.avatars, state)
         assert found.raw[0][k].tolist() == positions.tolist() and found.raw[1][k].tolist() == orientations.tolist()
+    offered["fist"] = fist()
+    assert prepare(job("fist")) is not found
 
 
 def test_a_run_is_recorded_and_measured(folder: Path) -> None:
