@@ -36,8 +36,8 @@ def case(seed: int, frames: int = 40) -> tuple[Recording, np.ndarray, np.ndarray
     draw = np.random.default_rng(seed)
     shown, target = walk(seed, frames), walk(seed + 1, frames, 2e-3)
     shown[draw.integers(5, frames) :] += 0.2
-    # the user rests in the first part, where links creep
-    target[: frames // 2] = target[frames // 2]
+    # in the first part the user hardly moves, where links creep
+    target[: frames // 2] = target[frames // 2] + walk(seed + 2, frames // 2 - 1, 2e-4)
     made = replace(moved(shown, target), statuses={"waiting": (draw.random(frames + 1) < 0.1).astype(np.int64)})
     return made, draw.random(frames + 1) < 0.98, draw.random(frames + 1) < 0.7
 
