@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -29,12 +28,6 @@ ARM = """<mujoco><worldbody><body name="upper" pos="0 1 1"><joint name="shoulder
 <geom type="capsule" size=".03" fromto="0 0 0 .3 0 0" mass="1"/><body name="lower" pos=".35 0 0">
 <joint name="elbow" axis="0 1 0" range="0 120" limited="true"/>
 <geom type="capsule" size=".03" fromto="0.05 0 0 .3 0 0" mass="1"/></body></body></worldbody></mujoco>"""
-
-
-@pytest.fixture(autouse=True)
-def nothing_asked(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    monkeypatch.setenv(own_scenes.VARIABLE, "")
-    yield
 
 
 @pytest.fixture

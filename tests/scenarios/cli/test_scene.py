@@ -2,7 +2,6 @@
 
 import json
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -11,7 +10,6 @@ import pytest
 
 from avatarsim.drift import kept_figures
 from avatarsim.errors import InvalidInput, UnknownName
-from scenarios import own_scenes
 from scenarios.__main__ import main
 from scenarios.run.limits import gates_of, limits_of
 
@@ -19,12 +17,6 @@ BOX = """<mujoco><worldbody><geom name="ground" type="plane" size="5 5 .1"/>
 <body name="a" pos="0 0 0.3"><freejoint/><geom type="box" size=".1 .1 .1" mass="1"/></body></worldbody></mujoco>"""
 LANDS = 40
 """Frames after which the box has landed."""
-
-
-@pytest.fixture(autouse=True)
-def nothing_asked(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    monkeypatch.setenv(own_scenes.VARIABLE, "")
-    yield
 
 
 @pytest.fixture
