@@ -77,11 +77,11 @@ def test_every_engine_of_the_run_is_tried_in_its_cases(tmp_path: Path) -> None:
     assert len(tasks) == len({(one.job.run, one.trial) for one in tasks}) == 3 * len(SHORT)
     long = replace(request(tmp_path, "tunnelling", avatarsim=("default",)), checkpoints=tmp_path)
     assert len(tasks_of(long)) == len(trials())
+    # without a case nothing is written
+    assert STUDY.carry_out(request(tmp_path, "ball_drop", avatarsim=("default",))) == ([], []) and not list(tmp_path.iterdir())
 
 
-def test_rows_have_figures_states_and_end_distances(
-    tmp_path: Path, site: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_rows_have_figures_states_and_end_distances(tmp_path: Path, site: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(room, "CASES", {"stack_ten": 0.2})
     monkeypatch.setattr(room, "SHORT", ("", "start 1e-05 m", "solver step 2 times"))
     rows, _ = STUDY.carry_out(request(tmp_path, "stack_ten", frozen=("default",), dies=("default",)))
@@ -91,7 +91,3 @@ def test_rows_have_figures_states_and_end_distances(
     assert 1e-6 < (found["frozen/default", "start 1e-05 m", "end_distance"].value or 0.0) < 3e-5
     assert found["frozen/default", "solver step 2 times", "run"].status == "cannot-say"
     assert {row.status for row in rows if row.engine == "dies" and not row.change} == {"crashed"}
-
-
-def test_without_a_case_nothing_is_written(tmp_path: Path) -> None:
-    assert STUDY.carry_out(request(tmp_path, "ball_drop", avatarsim=("default",))) == ([], []) and not list(tmp_path.iterdir())
