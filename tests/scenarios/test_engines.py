@@ -28,9 +28,7 @@ def test_engines_join_through_entry_points_by_new_names() -> None:
 
 
 @pytest.mark.parametrize(("name", "package"), [("mujoco", "mujoco"), ("pybullet", "pybullet"), ("rapier", "rapier3d")])
-def test_missing_package_is_named_with_its_extra(
-    name: str, package: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_missing_package_is_named_with_its_extra(name: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
     for module in [module for module in sys.modules if module.startswith(f"reference.in_{name}")]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, package, None)
@@ -38,9 +36,7 @@ def test_missing_package_is_named_with_its_extra(
         opened(name)
 
 
-def test_absent_engine_is_left_out_unless_named(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_absent_engine_is_left_out_unless_named(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr("scenarios.engines.find_spec", lambda package: None if package in ("rapier3d", "sapien") else object())
     assert set(absent()) == {"rapier", "physx"} and "sapien" in absent()["physx"]
     assert {"rapier", "physx"}.isdisjoint(engines_to_run(())) and {"avatarsim", "mujoco", "tracker"} <= set(engines_to_run(()))

@@ -37,9 +37,7 @@ def test_scenes_of_a_variant(variants: list[tuple[str, str]], among: set[str], n
 
 
 @pytest.mark.parametrize(("engine", "name", "base", "changed"), CASES)
-def test_every_variant_differs_from_its_base_in_its_settings(
-    engine: str, name: str, base: str, changed: set[str]
-) -> None:
+def test_every_variant_differs_from_its_base_in_its_settings(engine: str, name: str, base: str, changed: set[str]) -> None:
     made = opened(engine)
     assert base in made.presets
     # a body on a wall follows; a stack rests

@@ -140,9 +140,7 @@ def test_hinge_limits_are_those_of_the_table() -> None:
     lambda text: text.replace('<mass value = "14', '<mass weight = "14'),
     lambda text: text.replace("0.000000 0.944604", "0.944604"),
 ])
-def test_a_broken_humanoid_file_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, change: Callable[[str], str]
-) -> None:
+def test_a_broken_humanoid_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, change: Callable[[str], str]) -> None:
     broken = tmp_path / "broken.urdf"
     broken.write_text(change(data_file("humanoid/humanoid.urdf").read_text(encoding="utf-8")), encoding="utf-8")
     monkeypatch.setattr("scenarios.building.avatars.humanoid.data_file", lambda name: broken)

@@ -142,9 +142,7 @@ def test_json_is_the_only_output(site: Path, tmp_path: Path, capsys: pytest.Capt
     assert ("residual_overlap_max", "m") in [(row["metric"], row["unit"]) for row in json.loads(capsys.readouterr().out)]
 
 
-def test_bench_takes_everyday_scenes_and_compare_takes_all(
-    site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_bench_takes_everyday_scenes_and_compare_takes_all(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     drop = catalog.get("ball_drop")
     both = {"ball_drop": drop, "rare": replace(drop, name="rare", everyday=False)}
     monkeypatch.setattr(catalog, "scenarios", lambda: both)
@@ -164,9 +162,7 @@ def test_bench_takes_everyday_scenes_and_compare_takes_all(
     assert taken("compare") == taken("bench", "--filter", "*") == taken("compare", "--full") == taken("check") == set(both)
 
 
-def test_compare_times_many_scenes_quickly_and_bench_whole(
-    site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_compare_times_many_scenes_quickly_and_bench_whole(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("scenarios.run.harness.QUICK_FROM", 1)
     drop = replace(catalog.get("ball_drop"), everyday=False)
     monkeypatch.setattr(catalog, "scenarios", lambda: {"ball_drop": drop})

@@ -28,9 +28,7 @@ def test_every_motion_in_every_room_and_crowds_with_rising_seeds() -> None:
     assert picked("unseen_wall", 3, 1) == [("unseen_wall", 3)] and picked("unseen_wal", 3, 1) == []
 
 
-def test_falling_bodies_pass_and_frozen_ones_fail(
-    site: Path, capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_falling_bodies_pass_and_frozen_ones_fail(site: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code, found = rows(capsys, "--filter", "crowd_*", "--count", "5")
     assert code == 0 and {row["scenario"].split("_")[1] for row in found} == {"poured", "struck", "swept", "gripped", "kicked"}
     code, found = rows(capsys, "--filter", "crowd_poured_*", "--count", "1", "--engine", "frozen")

@@ -90,9 +90,7 @@ def test_resuming_keeps_recordings_and_removes_halves(site: Path, tmp_path: Path
     assert not dead.exists() and mine.exists()
 
 
-def test_resuming_with_fewer_words_is_refused(
-    site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_resuming_with_fewer_words_is_refused(site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """All rows that it does not have would be lost, with their times."""
     path = tmp_path / "mine.toml"
     path.write_text("[frozen.mine]\ngain = 1.0\n")
@@ -117,9 +115,7 @@ def test_resuming_with_fewer_words_is_refused(
     assert {row["seed"] for row in latest(tmp_path)["rows"]} == {0, 1, 2}
 
 
-def test_results_stay_until_the_resuming_command_has_ended(
-    site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_results_stay_until_the_resuming_command_has_ended(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     called(tmp_path, "run", "--engine", "frozen", *BALL)
     folder = last_run(tmp_path)
     before = (folder / "results.json").read_bytes()

@@ -62,9 +62,7 @@ def test_each_repeat_is_a_fresh_load_whatever_ran_before() -> None:
     assert lasts[2] == LoadedFrames(ZENO, 7).run()[2] and lasts[3] == LoadedFrames(BALL, 5).run()[2] != lasts[0]
 
 
-def test_every_frame_is_timed_or_the_engine_has_a_reason(
-    tmp_path: os.PathLike[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_every_frame_is_timed_or_the_engine_has_a_reason(tmp_path: os.PathLike[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(joined(tmp_path))
     before = {child.pid for child in multiprocessing.active_children()}
     jobs = [Job("ball_drop", engine, "default", frames=9) for engine in ("tunnels", "raises", "absent", "dies", "nobody")]

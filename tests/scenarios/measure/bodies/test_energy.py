@@ -17,9 +17,7 @@ G, MASS = 9.81, 2.0
     ("velocities", (0.0, 0.0, 0.0), 0.0), ("velocities", (3.0, 0.0, 0.0), 9.0), ("velocities", (0.0, 0.0, 0.7), 0.0),
     ("angular_velocities", (0.0, 10.0, 0.0), 50.0 * 0.4 * MASS * RADIUS**2),
 ])
-def test_injected_energy_gain_comes_out_in_joules(
-    field: str, change: tuple[float, float, float], added: float,
-) -> None:
+def test_injected_energy_gain_comes_out_in_joules(field: str, change: tuple[float, float, float], added: float) -> None:
     recording = resting(drop_scene(), 20)
     recording.positions[:, 1, 2] = 1.0 + RADIUS - 0.5 * G * recording.times**2
     recording.velocities[:, 1, 2] = -G * recording.times

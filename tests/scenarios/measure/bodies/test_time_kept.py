@@ -53,9 +53,7 @@ def test_ways_gone_too_far_do_not_make_up_for_a_body_that_stalls() -> None:
 
 
 @pytest.mark.parametrize(("row", "stalled"), [(1, 0.0), (3, 25.0), (5, 25.0), (15, 25.0)])
-def test_creeping_body_lacks_its_share_and_stalls_after_three(
-    row: int, stalled: float,
-) -> None:
+def test_creeping_body_lacks_its_share_and_stalls_after_three(row: int, stalled: float) -> None:
     recording = uniform(1.0)
     creeps = np.arange(FRAMES) // row % 4 == 3
     recording.positions[1:, BALL, 0] = np.cumsum(np.where(creeps, 3e-8, DT))
