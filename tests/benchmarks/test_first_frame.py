@@ -21,10 +21,6 @@ def test_a_scene_is_run_in_a_process_of_its_own(tmp_path: Path) -> None:
     assert main(["first-frame", "--filter", "no_such_scene", "--run", str(tmp_path)]) == 2
 
 
-def test_a_scene_without_a_first_frame_has_the_reason() -> None:
-    assert str(best("ball_drop", "printed", 3)).startswith("UnknownName")
-
-
 @pytest.mark.parametrize(("found", "code"), [
     (GOOD, 0), (replace(GOOD, ratio=10.0), 0), (replace(GOOD, ratio=10.1), 1), (replace(GOOD, ratio=float("nan")), 1),
     ("StartOverlaps: a in b", 0), ("ImportError: no such data", 3),
@@ -37,6 +33,8 @@ def test_a_long_first_frame_and_a_scene_that_fails_are_faults(
 
 
 def test_a_long_first_frame_is_measured_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And a scene without one has the reason."""
+    assert str(best("ball_drop", "printed", 3)).startswith("UnknownName")
     answers = [replace(GOOD, ratio=60.0), replace(GOOD, ratio=4.0), GOOD]
     monkeypatch.setattr(first_frame, "measure", lambda scene, preset, frames: answers.pop(0))
     assert best("s", "default", 3) == replace(GOOD, ratio=4.0) and answers == [GOOD]

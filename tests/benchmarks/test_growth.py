@@ -38,11 +38,6 @@ def test_it_starts_free_and_touches_only_in_mode_contact(name: str) -> None:
     assert np.mean(np.array(deepest) > 0.0) < 0.9
 
 
-@pytest.mark.parametrize("links", scenes.SIZES["links"])
-def test_a_comb_has_its_number_of_links(links: int) -> None:
-    assert len(scenes.comb(links).links) == links
-
-
 @pytest.mark.parametrize(("mode", "moved"), [("idle", 0), ("pushed", 1)])
 def test_the_hand_moves_one_object_or_none(mode: str, moved: int) -> None:
     scenario = scenes.get(f"objects_20_{mode}")
@@ -74,7 +69,8 @@ def test_an_engine_that_takes_long_gets_no_large_scene() -> None:
     assert runs("objects", 2000, "idle") == [*both, "mujoco/sleeping"]
     assert runs("avatars", 100, "apart") == both and runs("links", 199, "apart") == [*both, "mujoco/tuned"]
     assert growth.jobs_of("links", 199, "apart", {"pybullet": ("tuned",)}) == []
-    assert len(prepare(growth.jobs_of("links", 16, "contact", engines)[0]).scene.links) == 16
+    for links in scenes.SIZES["links"]:
+        assert len(prepare(growth.jobs_of("links", links, "contact", engines)[0]).scene.links) == links
 
 
 def test_the_power_is_that_of_the_size() -> None:

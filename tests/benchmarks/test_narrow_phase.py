@@ -39,7 +39,7 @@ def test_pairs_are_in_their_regime(cell: Cell, mode: Mode) -> None:
     assert (truth / deepest > least - 1e-3).all() and (truth / deepest < most + 1e-3).all()
 
 
-def test_coherent_pairs_turn_at_the_stated_rate_and_do_not_jump_and_cold_ones_are_drawn_anew() -> None:
+def test_coherent_pairs_turn_at_the_rate_and_cold_ones_jump() -> None:
     made = make_trial(Cell("box", "hull", "shallow"), "coherent", 3, 5)
     steps = np.swapaxes(made.turns[:-1], -1, -2) @ made.turns[1:]
     angles = np.linalg.norm(Rotation.from_matrix(steps.reshape(-1, 3, 3)).as_rotvec(), axis=1).reshape(4, 6)
@@ -63,18 +63,15 @@ def test_answers_belong_to_their_pairs(contender: Contender, cell: Cell, mode: M
     assert errors_of(answers, truths(trial, range(3))).max() <= EXACT.get(contender.name, LOOSE)
 
 
-def test_a_library_that_is_missing_is_left_out() -> None:
+def test_missing_library_is_left_out_and_answer_is_infinite() -> None:
     found, absent = contenders(("avatarsim", "nothing"))
     assert [one.name for one in found] == ["avatarsim", "avatarsim+place", "avatarsim/call"] and set(absent) == {"nothing"}
     assert len({one.name for one in THERE}) == len(THERE)
-
-
-def test_an_answer_that_is_missing_or_no_number_is_an_infinite_error() -> None:
     assert np.isinf(errors_of(np.array([np.inf, np.nan]), np.zeros(2))).all()
     assert errors_of(np.array([1.0]), np.array([1.5])) == pytest.approx(0.5)
 
 
-def test_a_contender_that_fails_has_no_figures_and_does_not_stop_the_others() -> None:
+def test_failing_contender_does_not_stop_the_others() -> None:
     class Fails(Contender):
         def load(self, trial: object) -> None:
             raise RuntimeError("no such shape")

@@ -51,7 +51,7 @@ def test_the_papers_rows_are_its_table() -> None:
     ]
 
 
-def test_counts_are_means_over_all_frames_advanced_and_times_over_those_timed(run: Path) -> None:
+def test_counts_are_of_frames_advanced_and_times_of_those_timed(run: Path) -> None:
     found = {line.run: line for line in table_2(runs(run))}
     assert list(found) == [PRINTED, "avatarsim/paper", "avatarsim/default", "mujoco/tuned"]
     paper = found["avatarsim/paper"]
@@ -64,7 +64,7 @@ def test_counts_are_means_over_all_frames_advanced_and_times_over_those_timed(ru
     assert default.joints == 0.5 and default.iterations == 0.75 and math.isnan(default.pairs)
 
 
-def test_every_frame_of_figure_7_has_a_time_and_stages_have_shares() -> None:
+def test_every_frame_of_figure_7_has_a_time_and_shares() -> None:
     rows, shares = figure_7(frames=12, repeats=2)
     assert [(row.run, row.frame) for row in rows] == [
         (f"avatarsim/{preset}", k) for preset in ("default", "paper") for k in range(1, 13)

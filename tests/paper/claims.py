@@ -90,7 +90,7 @@ TABLES = {
         ("two_arms", "self_collision", "two_arms_and_leg", "arm_in_corner"),
         of(
             "benchmarks/test_table_2.py", "test_the_papers_rows_are_its_table",
-            "test_counts_are_means_over_all_frames_advanced_and_times_over_those_timed",
+            "test_counts_are_of_frames_advanced_and_times_of_those_timed",
             "test_the_command_writes_table_and_traces"
         ),
     ),
@@ -142,7 +142,7 @@ FIGURES = {
             "paper/test_figure_7.py", "test_idle_the_hand_asks_for_no_contact", "test_two_plateaus_with_a_break_between",
             "test_spikes_towards_the_end_when_the_ball_is_hit"
         ) + of(
-            "benchmarks/test_table_2.py", "test_every_frame_of_figure_7_has_a_time_and_stages_have_shares",
+            "benchmarks/test_table_2.py", "test_every_frame_of_figure_7_has_a_time_and_shares",
         ),
     ),
     "figure 8": Claim(

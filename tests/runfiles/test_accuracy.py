@@ -17,9 +17,7 @@ def entry(state: str = "measured", **values: float) -> Entry:
 def test_what_is_a_length_counts_and_how_it_follows_does_not() -> None:
     assert counts(OVERLAP) and counts(STOP) and not counts(OFFSET) and not counts("spin_error_max")
     assert follows(math.nan) and follows(FOLLOWS) and not follows(1.001 * FOLLOWS)
-
-
-def test_the_largest_error_counts_and_a_percent_of_a_way_is_ten_millimetres() -> None:
+    # the largest counts, and a percent of a way is ten millimetres
     assert largest(entry(residual_overlap_max=1e-3, stop_distance_error_max=1.0), (OVERLAP, STOP)) == pytest.approx(1e-2)
     assert largest(entry(residual_overlap_max=1e-3, stop_distance_error_max=1.0), (OVERLAP,)) == 1e-3
 
@@ -28,11 +26,11 @@ def test_the_largest_error_counts_and_a_percent_of_a_way_is_ten_millimetres() ->
     entry("crashed"), entry(), entry(residual_overlap_max=math.nan),
     entry(residual_overlap_max=0.0, tracker_offset_rms_free=1.001 * FOLLOWS),
 ])
-def test_what_was_not_measured_or_does_not_follow_is_infinitely_wrong(spoilt: Entry) -> None:
+def test_unmeasured_or_not_following_is_infinitely_wrong(spoilt: Entry) -> None:
     assert largest(spoilt, (OVERLAP, OFFSET)) == math.inf
 
 
-def test_an_engine_misses_what_ours_reaches_with_its_finest_step_so_far() -> None:
+def test_engine_misses_what_ours_reaches_at_its_finest_step() -> None:
     found = [
         Reached("a", "avatarsim", 1e-5, math.nan), Reached("a", "m", 5e-3, 1 / 60), Reached("a", "m", 2e-3, 1 / 240),
         Reached("a", "p", 8e-5, 1 / 240), Reached("b", "m", 1.0, 1 / 60), Reached("c", "avatarsim", 1.0, math.nan),

@@ -116,7 +116,7 @@ def test_a_header_that_lies_is_an_invalid_file(tmp_path: Path, name: str, header
         array_file.read(member(tmp_path / "a.npz", name, header, data))
 
 
-def test_what_would_fill_the_memory_is_refused_before_it_is_unpacked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_large_a_file_is_refused_before_it_is_unpacked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A file of 73 kB that unpacks to 16 MB, with room for 8; and the same spread over members that are small each."""
     one = written(tmp_path / "one.npz", {"x": np.zeros(2**21)})
     many = written(tmp_path / "many.npz", {f"x{k}": np.zeros(2**17) for k in range(16)})

@@ -40,13 +40,10 @@ def test_issues_are_of_the_version_that_runs(name: str) -> None:
     assert {issue.version for issue in engines()[name].issues} == {installed}
 
 
-def test_an_engine_that_no_file_describes_has_facts_all_the_same() -> None:
+def test_engine_without_a_file_has_facts_and_labels_differ() -> None:
     made = about("newcomer")
     assert (made.name, made.label) == ("newcomer", "newcomer") and not made.baseline and not made.unsupported
     assert (made.colour, made.dark) in SPARE and made == about("newcomer")
-
-
-def test_labels_tell_all_runs_apart() -> None:
     runs = [*main_runs(), "mujoco/other", "avatarsim/paper", "newcomer/default", "newcomer/fast"]
     assert len({run_label(run) for run in runs}) == len(set(runs))
     assert set(main_runs()) == {f"{one.name}/{preset}" for one in engines().values() for preset in one.presets}

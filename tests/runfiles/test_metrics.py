@@ -47,11 +47,10 @@ def test_an_unknown_name_is_an_error_that_names_it(name: str) -> None:
     assert error.value.value == name
 
 
-def test_units_are_known() -> None:
+def test_metrics_have_known_units_and_a_level_or_a_reason() -> None:
+    """None is also in a family."""
     assert {one.unit for one in (*METRICS.values(), *FAMILIES)} <= UNITS
-
-
-def test_ranked_metrics_have_a_level_and_others_a_reason() -> None:
+    assert not [name for name in METRICS for one in FAMILIES if name.startswith(one.name) or name.endswith(one.name)]
     assert len(RANKED) > 20
     for one in METRICS.values():
         if one.name in RANKED:
@@ -60,11 +59,6 @@ def test_ranked_metrics_have_a_level_and_others_a_reason() -> None:
             assert one.level is None and one.unranked
     assert all(one.level is None and one.unranked for one in FAMILIES)
     assert all(one.name in RANKED for one in METRICS.values() if one.watched or one.inside)
-
-
-def test_no_metric_is_in_a_family() -> None:
-    for name in METRICS:
-        assert not any(name.startswith(one.name) or name.endswith(one.name) for one in FAMILIES)
 
 
 @given(values, values, st.floats(0.0, 0.5), st.floats(0.0, 10.0))
@@ -84,7 +78,7 @@ def test_values_within_the_level_or_the_share_are_equal(entry: Metric) -> None:
     assert entry.better(large, far) and (not entry.share or not entry.better(large, near))
 
 
-def test_no_number_is_never_better_and_any_number_is_better_than_none() -> None:
+def test_nan_is_never_better_and_any_number_is_better() -> None:
     entry, nan = METRICS["residual_overlap_max"], float("nan")
     assert not entry.better(nan, 0.0) and not entry.better(nan, nan)
     assert entry.better(1e9, nan) and entry.better(1.0, float("inf"))

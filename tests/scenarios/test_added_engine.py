@@ -68,29 +68,21 @@ def test_its_sweep_is_of_its_folder(site: Path) -> None:
     ('"#123456"', '"blue"', "colour", "blue"), ('["tuned"]', "[]", "presets", ()), ('name = "toy"', 'name = "b"', "name", "b"),
     ('"apex_error_max"', '"apex"', "dynamics.metrics[0]", "apex"), ('"toy.step({})"', "3", "native.dt", 3),
     ("has_time_step", "has_time_stop", "has_time_stop", True), ("[native]", "[[issues]]\n[native]", "issues[0].title", None),
-])
-def test_a_malformed_fact_names_file_key_and_value(
-    site: Path, tmp_path: Path, old: str, new: str, key: str, value: object,
-) -> None:
-    assert old in ABOUT
-    package = laid(site, ABOUT.replace(old, new, 1))
-    with pytest.raises(InvalidFile) as raised:
-        about("toy")
-    assert str(package / "about.toml") in raised.value.thing and key in raised.value.thing and raised.value.value == value
-    assert called(tmp_path, "run", "ball_drop", "--engine", "toy") == 2
-
-
-@pytest.mark.parametrize(("old", "new", "key", "value"), [
     ("steps = [60, 240]", "steps = [0]", "sweep[1].steps[0]", 0), ('base = "tuned", ', "", "sweep[1]", ""),
     ('["sleeping"]', '["dreaming"]', "sweep[2].calls[0]", "dreaming"), ("short = false", "kinds = [3]", "sweep[2].kinds[0]", 3),
     ("short = false", 'groups = ["none"]', "sweep[2].groups", "none"),
 ])
-def test_a_malformed_sweep_names_file_key_and_value(site: Path, old: str, new: str, key: str, value: object) -> None:
-    assert old in SWEEP
-    package = laid(site, sweep=SWEEP.replace(old, new, 1))
+def test_a_malformed_fact_or_sweep_names_file_key_and_value(
+    site: Path, tmp_path: Path, old: str, new: str, key: str, value: object,
+) -> None:
+    facts = old in ABOUT
+    assert facts or old in SWEEP
+    package = laid(site, ABOUT.replace(old, new, 1) if facts else ABOUT, SWEEP if facts else SWEEP.replace(old, new, 1))
     with pytest.raises(InvalidFile) as raised:
-        settings_of("toy", ())
-    assert str(package / "sweep.toml") in raised.value.thing and key in raised.value.thing and raised.value.value == value
+        settings_of("toy", about("toy").presets)
+    file = str(package / ("about.toml" if facts else "sweep.toml"))
+    assert file in raised.value.thing and key in raised.value.thing and raised.value.value == value
+    assert called(tmp_path, *(("run", "ball_drop") if facts else ("study", "settings")), "--engine", "toy") == 2
 
 
 def test_a_condition_that_nothing_knows_is_refused(site: Path) -> None:

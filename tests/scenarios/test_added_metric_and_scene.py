@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 HOUSE = Path(__file__).parents[2]
-ROOMS = ("runfiles", "reference", "scenarios", "reports")
+ROOMS = ("runfiles", "scenarios")
 ENTRY = """
 [highest]
 unit = "m"

@@ -60,7 +60,7 @@ def test_a_scene_has_its_bounds_begins_free_and_moves_soundly(name: str) -> None
 @pytest.mark.parametrize(
     ("name", "face"), [("mocap_punch_wall", mocap_clips.PUNCH_FACE), ("mocap_walk_wall", mocap_clips.WALK_FACE)]
 )
-def test_the_wall_stands_a_foot_inside_the_reach_and_is_never_wholly_passed(name: str, face: float) -> None:
+def test_wall_is_a_foot_within_reach_and_never_wholly_passed(name: str, face: float) -> None:
     scenario, scene, motion = built(name)
     samples = [motion(frame) for frame in range(scenario.frames)]
     assert reach(scene.avatars, samples, (1.0, 0.0, 0.0)).max() - face == pytest.approx(0.3, abs=0.01)
@@ -85,7 +85,7 @@ def test_the_balls_fall_a_metre_onto_the_pairs_of_table_1() -> None:
     assert scenario.expects["drops"] == ball_drop.DROPS and len(pairs) == 6 == len(ball_drop.PAIRS)
 
 
-def test_ceilings_name_scenes_and_their_bounds_and_stand_at_a_millimetre_of_overlap_at_most() -> None:
+def test_ceilings_are_of_bounds_and_at_most_a_millimetre() -> None:
     table = tomllib.loads(CEILINGS.read_text(encoding="utf-8"))
     assert set(table) <= set(ALL)
     for name, row in table.items():
@@ -103,13 +103,11 @@ def test_a_number_that_is_none_breaks_every_bound() -> None:
             Bound("residual_overlap_max", limit, reason)
 
 
-def test_an_expectation_that_no_measure_reads_is_refused() -> None:
+def test_regions_find_their_bodies_by_pattern() -> None:
+    """Without any, or with an inverted box, they are refused, as are expectations that no measure reads."""
     scenario = catalog.get("ball_drop")
     with pytest.raises(UnknownName, match=r"expects.*'drop'.*drops"):
         replace(scenario, expects={"drop": scenario.expects["drops"]})
-
-
-def test_regions_find_their_bodies_by_pattern() -> None:
     region = Region(("human/left*", "ball"), (-1.0, -1.0, -1.0), (1.0, 1.0, 1.0), "because")
     assert region.indices(("floor", "ball", "human/left_hip", "human/neck")) == (1, 2)
     with pytest.raises(UnknownName, match="human/left"):

@@ -8,9 +8,10 @@ import pytest
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.scene.body import Role
 from avatarsim.scene.effects import Effects
+from avatarsim.scene.scene import Scene
 from avatarsim.simulator import AvatarsimEngine
 from scenarios import catalog
-from scenarios.scenario import REFUSAL
+from scenarios.scenario import REFUSAL, Scenario
 
 FRAMES = 12
 """Frames of each scene: enough for contacts in most of them, few enough for all seventy."""
@@ -21,10 +22,9 @@ STAGES = {"posture": "overlap_removal", "motion": "dynamics", "coupling": "coupl
 NAMES = [name for name, scenario in catalog.scenarios().items() if not scenario.expects.get(REFUSAL)]
 
 
-def shown(name: str, force: tuple[str, ...]) -> tuple[list[FrameRecord], AvatarsimEngine]:
+def shown(scenario: Scenario, scene: Scene, force: tuple[str, ...]) -> tuple[list[FrameRecord], AvatarsimEngine]:
     """Return the first frames of a scene, with these effects forced on."""
-    scenario = catalog.get(name).as_run(full=False)
-    scene = replace(scenario.build(), force=force)
+    scene = replace(scene, force=force)
     motion, engine = scenario.motion(scene, 0), AvatarsimEngine()
     records = [engine.load(scene, Settings(time_stages=True), scenario.dt)]
     records += [engine.advance(motion(k), scenario.dt) for k in range(min(FRAMES, scenario.frames))]
@@ -32,9 +32,11 @@ def shown(name: str, force: tuple[str, ...]) -> tuple[list[FrameRecord], Avatars
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_what_is_not_called_for_is_not_run_and_forced_on_it_changes_nothing(name: str) -> None:
-    effects = catalog.get(name).build().effects
-    plain, engine = shown(name, ())
+def test_unused_effects_are_skipped_and_change_nothing_if_forced(name: str) -> None:
+    scenario = catalog.get(name).as_run(full=False)
+    scene = scenario.build()
+    effects = scene.effects
+    plain, engine = shown(scenario, scene, ())
     for stage, effect in STAGES.items():
         if not getattr(effects, effect):
             assert engine.stage_calls()[stage] == 0
@@ -42,8 +44,7 @@ def test_what_is_not_called_for_is_not_run_and_forced_on_it_changes_nothing(name
         else:
             assert engine.stage_calls()[stage] > 0
     off = tuple(effect.name for effect in fields(Effects) if not getattr(effects, effect.name))
-    forced, _ = shown(name, off)
-    scene = catalog.get(name).build()
+    forced, _ = shown(scenario, scene, off)
     # Velocities of driven bodies are computed only where simulated bodies may meet them.
     free = [k for k, role in enumerate(scene.roles) if effects.coupling or role is Role.SIMULATED]
     for a, b in zip(plain, forced, strict=True):

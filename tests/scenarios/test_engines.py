@@ -21,16 +21,14 @@ def _joined(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(joined(tmp_path))
 
 
-def test_engines_join_through_entry_points_but_not_by_a_built_in_name() -> None:
+def test_engines_join_through_entry_points_by_new_names() -> None:
     assert list(known())[: len(engines())] == list(engines()) and set(NAMES) < set(known())
     assert opened("frozen").presets == ("default", "other")
     assert known()["mujoco"] == about("mujoco").adapter == engines()["mujoco"].adapter
 
 
 @pytest.mark.parametrize(("name", "package"), [("mujoco", "mujoco"), ("pybullet", "pybullet"), ("rapier", "rapier3d")])
-def test_a_missing_package_is_named_with_the_extra_that_brings_it(
-    name: str, package: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_missing_package_is_named_with_its_extra(name: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
     for module in [module for module in sys.modules if module.startswith(f"reference.in_{name}")]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, package, None)
@@ -38,9 +36,7 @@ def test_a_missing_package_is_named_with_the_extra_that_brings_it(
         opened(name)
 
 
-def test_an_engine_that_is_not_installed_is_left_out_unless_it_is_named(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_absent_engine_is_left_out_unless_named(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr("scenarios.engines.find_spec", lambda package: None if package in ("rapier3d", "sapien") else object())
     assert set(absent()) == {"rapier", "physx"} and "sapien" in absent()["physx"]
     assert {"rapier", "physx"}.isdisjoint(engines_to_run(())) and {"avatarsim", "mujoco", "tracker"} <= set(engines_to_run(()))

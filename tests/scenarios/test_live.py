@@ -22,7 +22,7 @@ def test_a_scene_of_the_catalogue_comes_with_its_motion() -> None:
     assert found.scene.name == "hand_over_table" and found.handles and len(clip.times) > 1
 
 
-def test_another_engine_has_the_preset_that_is_named_or_the_first() -> None:
+def test_engine_has_the_preset_that_is_named_or_its_first() -> None:
     scene = stage("hand").scene
     assert plan_of("mujoco", scene, 60.0).name == "mujoco/tuned"
     assert plan_of("pybullet/default", scene, 90.0).settings.preset == "default"
@@ -50,5 +50,5 @@ def test_wrong_usage_ends_with_2(arguments: list[str], named: str, capsys: pytes
 
 
 def test_another_engine_runs_beside(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([*QUIET, "--scene", "hand", "--engine", "mujoco/tuned", "--seconds", "1"]) == 0
+    assert main([*QUIET, "--scene", "hand", "--engine", "mujoco/tuned", "--seconds", "0.2"]) == 0
     assert "http://127.0.0.1:" in capsys.readouterr().err

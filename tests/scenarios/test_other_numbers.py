@@ -37,7 +37,7 @@ def test_coincident_bodies_are_refused_with_exact_depths() -> None:
 
 
 @pytest.mark.parametrize(("name", "place"), [("dt_torture", Place()), *PLACES.items()])
-def test_a_ball_lost_in_the_wall_is_on_the_wrong_side_and_one_deep_in_its_face_is_not(name: str, place: Place) -> None:
+def test_ball_lost_in_the_wall_is_on_the_wrong_side(name: str, place: Place) -> None:
     scenario = catalog.get(name)
     scene = scenario.build()
     positions = np.tile(np.array([body.position for body in scene.bodies]), (3, 1, 1))

@@ -43,7 +43,7 @@ def test_joints_that_follow_keep_their_own_limits(tmp_path: Path) -> None:
     assert found.joints == 2 and found.is_kept and found.acceleration > 0.9
 
 
-def test_joints_that_move_nothing_are_lost_unless_an_option_fixes_them(tmp_path: Path) -> None:
+def test_joints_that_move_nothing_are_lost_unless_fixed(tmp_path: Path) -> None:
     arm = '<body name="{0}" pos="{1} 0 0"><joint name="{0}" axis="0 1 0"/><geom size=".1"/></body>'
     path = tmp_path / "two.xml"
     loose = '<body pos="0 3 0"><freejoint/><geom size=".1"/></body>'

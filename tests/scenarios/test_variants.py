@@ -37,9 +37,7 @@ def test_scenes_of_a_variant(variants: list[tuple[str, str]], among: set[str], n
 
 
 @pytest.mark.parametrize(("engine", "name", "base", "changed"), CASES)
-def test_every_variant_loads_and_differs_from_its_base_in_few_settings(
-    engine: str, name: str, base: str, changed: set[str]
-) -> None:
+def test_every_variant_differs_from_its_base_in_its_settings(engine: str, name: str, base: str, changed: set[str]) -> None:
     made = opened(engine)
     assert base in made.presets
     # a body on a wall follows; a stack rests
@@ -63,7 +61,7 @@ def test_every_variant_loads_and_differs_from_its_base_in_few_settings(
     (("run", "stack_ten", "--preset", "sleeping"), {("stack_ten", "sleeping")}),
     (("bench", "--filter", "stack_ten"), set()),
 ])
-def test_a_comparison_has_variants_and_other_commands_only_by_name(words: tuple[str, ...], runs: set[tuple[str, str]]) -> None:
+def test_variants_run_in_a_comparison_or_by_name(words: tuple[str, ...], runs: set[tuple[str, str]]) -> None:
     options = parser().parse_args([*words, "--engine", "mujoco", "--jobs", "0"])
     jobs = plan(options, options.engine, False).jobs
     assert {(job.scenario, job.preset) for job in jobs if job.preset in about("mujoco").variants} == runs

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 import vl_convert
 from hypothesis import given
@@ -125,17 +124,3 @@ def test_a_dot_of_few_frames_is_filled_and_says_so() -> None:
     few = [figure("a", one, "frame_time_p95", 1.0, note="3 x 90 frames") for one in (OURS, MUJOCO)]
     values = strips.strip(run_of(few), strips.STRIPS["time"], "x")["data"]["values"]
     assert [(dot["even"], dot["counted"], dot["why"]) for dot in values] == [(True, True, f"yes; {FEW_FRAMES}")] * 2
-
-
-@pytest.mark.parametrize(("runs", "columns"), [
-    (("avatarsim/default", "mujoco/tuned", "mujoco/default"), 3),
-    (("avatarsim/default", "mujoco/tuned", "mujoco/default", "pybullet/tuned", "pybullet/default", "rapier/tuned"), 4),
-])
-def test_hard_cases_of_many_runs_have_a_column_for_each_engine(runs: tuple[str, ...], columns: int) -> None:
-    made = run_of([figure("a", one, "residual_overlap_max", 0.0) for one in runs])
-    cases = pd.DataFrame([
-        {"run": one, "case": "a", "left": 0, "not_finite": 0, "trials": 1, "drift": 1e-3, "overlap": 0.0, "energy": 0.0}
-        for one in runs
-    ])
-    shown = {value["column"] for value in cells.hard_cases(made, cases)["data"]["values"]}
-    assert len(shown) == columns

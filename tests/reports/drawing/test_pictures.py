@@ -68,7 +68,7 @@ def test_states_that_are_no_numbers_are_left_out(found: Recorded) -> None:
     assert thumbnail(made, main, 3, 0.0, "x") == ""
 
 
-def test_the_instant_of_stills_is_that_of_the_deepest_overlap_of_another_engine(found: Recorded) -> None:
+def test_stills_are_at_the_deepest_overlap_of_another_engine(found: Recorded) -> None:
     _, ours, other = found
     assert instant([ours, other], OURS) == 10
     deeper = replace(ours, pairs=[(3, 2, 0, 9.0)])
@@ -90,7 +90,7 @@ def test_sides_are_across_the_push_of_the_contact(found: Recorded) -> None:
     assert sides(ours) == ()
 
 
-def test_each_engine_has_a_still_and_overlapping_bodies_a_style_of_their_own(found: Recorded) -> None:
+def test_each_engine_has_a_still_that_marks_overlap(found: Recorded) -> None:
     made, *recordings = found
     still = stills(made, recordings, OURS, 0.4)
     assert still.time == recordings[0].times[instant(recordings, OURS)] and len(still.pictures) == 2

@@ -91,7 +91,7 @@ def test_charts_that_a_page_names_are_in_its_data(report: Path) -> None:
         assert all(tokens <= set(colours) for colours in data["palette"].values()), name
 
 
-def test_the_recorded_scene_has_a_replay_and_stills_and_others_have_none(report: Path) -> None:
+def test_only_the_recorded_scene_has_replay_and_stills(report: Path) -> None:
     found = {}
     for scene in SCENES:
         [data] = data_of(report / f"scenes/{scene}.html")

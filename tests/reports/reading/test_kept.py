@@ -38,6 +38,7 @@ def test_recordings_come_back_in_the_order_asked_for(folder: Path) -> None:
     assert [one.run for one in found] == [THEIRS, OURS] and [len(one.times) for one in found] == [12, STATES]
     assert len(found[0].pairs) == 3 and found[1].pairs == []
     assert shown(folder, "x" * 5000, [OURS]) == [] and shown(folder, NAME, [OURS], seed=1) == []
+    assert read_scene(folder, "no_such_scene") is None and read_scene(folder, "x" * 5000) is None
 
 
 @pytest.mark.parametrize(("kind", "name", "value"), [
@@ -75,7 +76,3 @@ def test_a_recording_fits_its_scene_or_is_refused(folder: Path) -> None:
     replaced(folder / "recordings" / FILE, "times", np.full(12, np.nan))
     with pytest.raises(InvalidFile, match="times"):
         shown(folder, NAME, [THEIRS])
-
-
-def test_a_scene_without_a_file_is_none(folder: Path) -> None:
-    assert read_scene(folder, "no_such_scene") is None and read_scene(folder, "x" * 5000) is None

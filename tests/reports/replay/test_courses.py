@@ -12,7 +12,7 @@ from tests.reports.recorded import STATES, recording, scene
 from tests.reports.small_runs import MUJOCO, OURS, RAW
 
 
-def test_overlap_begins_with_the_start_and_times_with_the_first_frame() -> None:
+def test_lines_of_overlap_and_time_have_their_first_instants() -> None:
     depths, costs = np.array([0.0, 1e-3, np.nan]), np.array([10.0, 20.0])
     lines = courses({OURS: Series(depths, costs)}, [], None, 0.5)
     times, values = lines["overlap"][OURS]

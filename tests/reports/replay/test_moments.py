@@ -24,20 +24,14 @@ def worst(one: Shown, depth: Array | None) -> tuple[int, Kind] | None:
     return next(((found.state, found.kind) for found in moments(one, depth)), None)
 
 
-def test_nothing_wrong_is_no_moment(one: Shown) -> None:
-    assert worst(one, np.zeros(STATES)) is None
-    assert worst(one, None) is None
-
-
 def test_the_deepest_overlap_by_the_judge_or_by_the_pairs(one: Shown, tmp_path: Path) -> None:
+    assert worst(one, np.zeros(STATES)) is None is worst(one, None)
     depth = np.zeros(STATES)
     depth[[4, 7]] = 1e-3, 2e-3
     assert worst(one, depth) == (7, Kind.OVERLAP)
     recording(tmp_path, "sinks", "mine/default", sinks=True)
     assert worst(shown(tmp_path, "sinks", ["mine/default"])[0], None) == (10, Kind.OVERLAP)
-
-
-def test_without_overlap_the_farthest_from_the_user(one: Shown) -> None:
+    # without overlap it is where it is farthest from the user
     one.raw_positions[5, 0, 0] += 0.25
     assert worst(one, np.full(STATES, 1e-7)) == (5, Kind.APART)
 

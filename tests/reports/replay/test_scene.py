@@ -63,7 +63,7 @@ def test_what_is_no_number_is_hidden_and_not_drawn(folder: Path, name: str, valu
     data(found)
 
 
-def test_it_opens_where_ours_looks_worst_and_offers_the_worst_of_the_others(folder: Path) -> None:
+def test_replay_opens_where_ours_looks_worst(folder: Path) -> None:
     ours, theirs = shown(folder, NAME, [OURS, THEIRS])
     ours.positions[12, 2, 0] += 0.4
     found: Any = replay(NAME, bodies(folder), [ours, theirs], OURS)

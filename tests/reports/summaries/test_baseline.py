@@ -34,7 +34,7 @@ def test_a_run_is_equal_to_its_own_baseline(tmp_path_factory: pytest.TempPathFac
     assert found.table.empty and found.gone == ()
 
 
-def test_the_file_holds_watched_figures_of_the_gated_engine_and_nothing_else(tmp_path: Path) -> None:
+def test_file_holds_only_watched_figures_of_the_gated_engine(tmp_path: Path) -> None:
     metrics = (*WATCHED, "frame_time_p50", "residual_overlap_mean")
     rows = [figure("a", run, name, 1.0) for run in (OURS, MUJOCO) for name in metrics]
     table = baseline.load(kept(run_of([*rows, figure("unseen_a", OURS, OVERLAP, 1.0)]), tmp_path / "kept.csv"))

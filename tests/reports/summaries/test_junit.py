@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reports.reading.load import Row
@@ -47,6 +47,7 @@ def test_each_case_is_named_by_its_scene_and_run() -> None:
     assert outcomes == {f"s0.{OURS}": [], f"s1.{OURS}": ["failure"], f"s2.{MUJOCO}": ["error"], f"s2.{OURS}": ["skipped"]}
 
 
+@settings(max_examples=30)
 @given(st.text(alphabet=st.characters(blacklist_categories=("Cs", "Cc")), max_size=60))
 def test_notes_of_any_text_leave_well_formed_xml(note: str) -> None:
     suite = ElementTree.fromstring(junit(checks(run_of([some("crashed", 0, note)]))))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reports.reading.load import Row, Series
@@ -25,7 +25,7 @@ def table() -> list[Row]:
     rows = [figure("a", OURS, OVERLAP, 0.0, "pass", 1e-6)]
     for k, scene in enumerate("abc"):
         for run in (OURS, MUJOCO, BULLET):
-            for name in STEADY[1:8]:
+            for name in STEADY[1:4]:
                 rows.append(figure(scene, run, name, (k + 2.0) * 100.0 * (METRICS[name].level or 1.0) + 1.0))
     return rows
 
@@ -36,6 +36,7 @@ def listed(found: Changes) -> list[tuple[str, str, str, str]]:
     return [(row.scenario, row.run, row.metric, row.verdict) for row in rows]
 
 
+@settings(max_examples=30)
 @given(st.integers(0, len(table()) - 1), st.sampled_from([1.5, 30.0, math.inf, math.nan, None]))
 def test_one_planted_change_is_listed_exactly(place: int, factor: float | None) -> None:
     rows = table()
@@ -49,6 +50,7 @@ def test_one_planted_change_is_listed_exactly(place: int, factor: float | None) 
     assert listed(changes(run_of(worse), run_of(rows))) == expected
 
 
+@settings(max_examples=30)
 @given(st.integers(0, len(table()) - 1), st.just(0.0) | st.floats(-1e-9, 1e-9))
 def test_equal_runs_and_rounding_are_no_change(place: int, share: float) -> None:
     rows = table()
@@ -92,7 +94,7 @@ BELOW = 1.0 + 0.7 * (TIME_FACTOR - 1.0)
 @pytest.mark.parametrize(("machine", "own", "seed"), [
     (0.2, 1.0, 2), (1.0, 1.0, 2), (4.0, 1.0, 2), (1.0, BELOW, 1), (3.0, BELOW, 1), (1.0, 2.0, 2), (3.0, 2.0, 2),
 ])
-def test_an_engine_that_slows_by_more_than_the_machine_and_the_limit_is_listed(machine: float, own: float, seed: int) -> None:
+def test_engine_slower_than_machine_and_limit_is_listed(machine: float, own: float, seed: int) -> None:
     old = times_run(EVEN)
     new = times_run({run: machine * value * (own if run == OURS else 1.0) for run, value in EVEN.items()}, seed=seed)
     expected = {("a", OURS, f"frame_time_{name}") for name in ("p50", "p95")} if own > TIME_FACTOR else set()
@@ -155,7 +157,7 @@ def test_another_machine_explains_small_differences(metric: str, value: float | 
     assert [one[-1] for one in listed(against_baseline(baseline(kept), run, "baseline"))] == verdicts
 
 
-def test_scenes_of_the_baseline_that_did_not_run_are_named_and_other_engines_ignored() -> None:
+def test_baseline_scenes_that_did_not_run_are_named() -> None:
     run = run_of([figure("a", OURS, OVERLAP, 0.0, "pass", 1.0), figure("b", MUJOCO, OVERLAP, 1.0)])
     found = against_baseline(baseline({OVERLAP: 0.0}, "ac"), run, "baseline")
     assert listed(found) == [] and found.gone == ("c",)

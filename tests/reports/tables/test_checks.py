@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reports.reading.load import Row
@@ -70,13 +70,14 @@ def test_a_row_without_a_figure_has_its_part(more: Row, part: str) -> None:
     assert found.is_sound == (part == "refused")
 
 
-def test_a_sound_run_has_ended_and_checked_something_of_the_gated_engine() -> None:
+def test_sound_run_has_ended_and_checked_the_gated_engine() -> None:
     assert sound().is_sound and not sound(exit_code=None).is_sound
     assert sound(figure("a", MUJOCO, OVERLAP, 9.0, "info", 1.0)).total == 1
     found = checks(run_of([figure("a", OURS, OVERLAP, 0.0)]))
     assert found.total == 0 and not found.is_sound
 
 
+@settings(max_examples=30)
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8, unique=True))
 def test_least_room_is_what_is_nearest_to_its_bound(shares: Sequence[float]) -> None:
     rows = [figure(f"s{k}", OURS, OVERLAP, share * (k + 1.0), "pass", k + 1.0) for k, share in enumerate(shares)]

@@ -46,7 +46,7 @@ def test_a_missing_table_is_none_and_a_missing_baseline_is_named(tmp_path: Path)
         READERS["kept.csv"](tmp_path)
 
 
-def test_effects_come_back_with_their_shares_and_the_bounds_that_need_them(tmp_path: Path) -> None:
+def test_effects_come_back_with_shares_and_broken_bounds(tmp_path: Path) -> None:
     """An effect may take all of the frame time, none of it, or save time."""
     lines = [("a", "coupling", 0.6), ("b", "sleeping", -3.0), ("c", "dynamics", 1.0), ("d", "limits", 0.0)]
     parts = [part for line in lines for part in effect(*line, broken=["course_error_max"] if line[0] == "a" else [])]

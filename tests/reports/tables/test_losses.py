@@ -62,12 +62,9 @@ def test_the_widest_loss_is_named() -> None:
     assert (row.scenes, row.lost, row.scene, row.own, row.best) == (3, 2, "b", 5e-2, 1e-2)
 
 
-def test_neither_a_baseline_nor_another_preset_of_ours_wins() -> None:
+def test_baselines_our_presets_and_who_left_do_not_win() -> None:
     rows = [figure("a", OURS, OVERLAP, 1.0), figure("a", RAW, OVERLAP, 0.0), figure("a", "avatarsim/paper", OVERLAP, 0.0)]
     assert compared(*rows) == {} and compared(*rows, figure("a", MUJOCO, OVERLAP, 2.0)) == {OVERLAP: 0}
-
-
-def test_who_left_its_region_does_not_win_but_loses() -> None:
     rows = [figure("a", OURS, OVERLAP, 1.0), figure("a", MUJOCO, OVERLAP, 0.0)]
     assert compared(*rows, figure("a", MUJOCO, "wrong_side_frames", 0.0)) == {OVERLAP: 1}
     for frames in (1.0, math.nan):

@@ -15,18 +15,13 @@ def some(gated: str = OURS) -> Run:
     return run_of([*rows, figure("b", MUJOCO, AVATAR_METRIC, 0.0)])
 
 
-def test_the_gated_engine_is_the_one_with_checks() -> None:
+def test_gated_engine_has_checks_and_is_first_in_tables() -> None:
+    """The baseline is last, and rivals are the engines between."""
     assert some().gated == OURS and some(MUJOCO).gated == MUJOCO
     assert run_of([figure("a", MUJOCO, OVERLAP, 0.0)]).gated == OURS and some().avatars == {"b"}
-
-
-def test_short_tables_begin_with_the_gated_engine_and_end_with_the_baseline() -> None:
     runs = some(MUJOCO).runs
     assert runs[0] == MUJOCO and runs[-1] == RAW and len(set(runs)) == len(runs)
     assert {OURS, MUJOCO, BULLET, "newcomer/fast", RAW} <= set(runs)
-
-
-def test_rivals_are_other_engines_without_the_baseline() -> None:
     assert set(some().rivals) == {MUJOCO, BULLET, "newcomer/fast"}
     assert set(some(MUJOCO).rivals) == {OURS, "avatarsim/paper", BULLET, "newcomer/fast"}
 
@@ -39,7 +34,7 @@ def test_no_number_is_measured_and_nothing_is_not() -> None:
     assert not run_of([figure("a", OURS, "run", None, "crashed")]).rows.measured.any()
 
 
-def test_a_variant_stands_in_where_the_figure_of_its_preset_does_not_compare() -> None:
+def test_variant_stands_in_for_a_preset_that_cannot_compare() -> None:
     """MuJoCo's tuned ball joints have no twist limit; its preset hinges limits other angles, so neither is compared."""
     metric, hinges = "joint_limit_excess_max", "mujoco/hinges"
     lacking = {MUJOCO: {"twist limits": "none"}, hinges: {"swing and twist limits": "of Cardan angles"}}

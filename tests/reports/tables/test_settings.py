@@ -53,7 +53,7 @@ def test_times_presets_and_sleep_are_read(tmp_path: Path) -> None:
     assert tuned.step == pytest.approx(500.0) and math.isnan(ours.step)
 
 
-def test_a_setting_without_figures_or_with_a_spoilt_one_is_not_measured(tmp_path: Path) -> None:
+def test_setting_without_or_with_spoilt_figures_is_unmeasured(tmp_path: Path) -> None:
     through = Part("a", MUJOCO, "x", {**SETTING, "wrong_side_frames": 2.0})
     whole, crashed = Part("a", MUJOCO, "", SETTING), Part("a", BULLET, status="crashed")
     whole, spoilt, none = read(tmp_path, whole, through, crashed).itertuples()
@@ -93,7 +93,7 @@ def test_tails_of_few_frames_are_marked(tmp_path: Path) -> None:
     assert table is not None and dict(zip(table.preset, table.few, strict=True)) == {True: False, False: True}
 
 
-def test_a_preset_is_loaded_and_its_options_that_differ_from_the_default_are_lines(tmp_path: Path) -> None:
+def test_preset_words_are_its_loading_and_changed_options(tmp_path: Path) -> None:
     chosen = {"dt": ("0.00125", ""), "sleep": ("true", ""), "iterations": ("100", ""), "kappa": ("0.1", "a reason")}
     plain = {"dt": ("0.002", ""), "sleep": ("false", ""), "iterations": ("100", "")}
     notes = [EngineNote(f"mujoco/{name}", "a", "1", {}, said) for name, said in (("default", plain), ("sleeping", chosen))]

@@ -10,15 +10,13 @@ import pytest
 from numpy.typing import ArrayLike, NDArray
 
 from avatarsim.assets.motions.deepmimic import LAYOUT
-from avatarsim.errors import InvalidFile, MissingPackage, UnknownName
+from avatarsim.errors import InvalidFile, UnknownName
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.joint import Ball, Free, Hinges, Rigid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
 from avatarsim.spatial import rotation
 from reference.judging.judge import Judge
-from scenarios import data_folder
-from scenarios.building.avatars import shadow_hand as hand_file
 from scenarios.building.avatars.humanoid import CHAINS, humanoid
 from scenarios.building.avatars.limits import HINGES, RANGES, WIDEST_REACH, ball_limits, ends, hinge_limits, reach_cone, tilted
 from scenarios.building.avatars.mjcf import Mjcf, parsed
@@ -60,7 +58,7 @@ def overlapping(sample: TrackerSample) -> set[frozenset[str]]:
     return {frozenset((a.removeprefix("human/"), b.removeprefix("human/"))) for a, b, _ in verdict.pairs}
 
 
-def test_fifteen_links_of_forty_five_kilograms_with_the_joints_of_the_clips() -> None:
+def test_humanoid_has_15_links_45_kg_and_the_clips_joints() -> None:
     assert len(HUMAN.links) == 15 and set(CHAINS) <= set(NAMES)
     assert sum(link.mass.mass for link in HUMAN.links) == pytest.approx(45.0, abs=1e-9)
     assert set(NAMES) == {name for name, _ in LAYOUT} | {"left_wrist", "right_wrist"}
@@ -92,7 +90,7 @@ def test_elbows_fold_forwards_and_knees_backwards(side: str) -> None:
     assert (place(swung, f"{side}_ankle") - place(sample, f"{side}_ankle"))[0] > 0.3
 
 
-def test_nothing_overlaps_when_standing_on_the_floor_or_with_all_joints_at_zero() -> None:
+def test_nothing_overlaps_standing_or_with_all_joints_at_zero() -> None:
     start = standing(HUMAN)
     scene = Scene("standing", (floor(),), (HUMAN,), start=start)
     positions, orientations = link_poses((HUMAN,), start)
@@ -107,7 +105,7 @@ def test_nothing_overlaps_when_standing_on_the_floor_or_with_all_joints_at_zero(
 
 
 @pytest.mark.parametrize("link", [link for link in HUMAN.links if isinstance(link.joint, Ball)], ids=lambda link: link.name)
-def test_a_cone_holds_all_four_ends_of_motion_and_the_neutral_posture(link: Link) -> None:
+def test_cone_holds_all_ends_of_motion_and_the_neutral_posture(link: Link) -> None:
     name = link.name
     limits = ball_limits(name)
     side, joint = (-1.0 if name.startswith("right") else 1.0), name.split("_")[-1]
@@ -128,7 +126,7 @@ def test_left_and_right_limits_and_reach_cones_mirror_each_other(joint: str) -> 
     assert apart.min(axis=1).max() < 1e-12
 
 
-def test_hinge_limits_are_the_table_in_radians_and_other_joints_have_none() -> None:
+def test_hinge_limits_are_those_of_the_table() -> None:
     assert hinge_limits("right_knee") == pytest.approx(np.radians(HINGES["knee"]).tolist())
     for limits, link in ((hinge_limits, "neck"), (ball_limits, "left_knee"), (reach_cone, "left_knee")):
         with pytest.raises(UnknownName, match=link):
@@ -142,9 +140,7 @@ def test_hinge_limits_are_the_table_in_radians_and_other_joints_have_none() -> N
     lambda text: text.replace('<mass value = "14', '<mass weight = "14'),
     lambda text: text.replace("0.000000 0.944604", "0.944604"),
 ])
-def test_a_broken_humanoid_file_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, change: Callable[[str], str]
-) -> None:
+def test_a_broken_humanoid_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, change: Callable[[str], str]) -> None:
     broken = tmp_path / "broken.urdf"
     broken.write_text(change(data_file("humanoid/humanoid.urdf").read_text(encoding="utf-8")), encoding="utf-8")
     monkeypatch.setattr("scenarios.building.avatars.humanoid.data_file", lambda name: broken)
@@ -213,12 +209,6 @@ def test_what_overlaps_at_rest_is_what_the_hand_ignores() -> None:
     assert found == {frozenset(pair) for pair in hand.ignore}
     human = hinged_humanoid()
     assert Judge(Scene("human", (), (human,))).overlaps(*link_poses((human,), rest((human,)))).deepest == 0.0
-
-
-def test_the_hand_needs_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(data_folder, "find_spec", lambda name: None)
-    with pytest.raises(MissingPackage, match="gymnasium-robotics"):
-        hand_file.robotics_assets()
 
 
 @pytest.mark.parametrize(("body", "named"), [

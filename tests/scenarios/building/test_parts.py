@@ -24,7 +24,7 @@ from scenarios.building.cases import driven
 from scenarios.building.gallery import MESHES, convex_pieces, gallery, meshes
 from scenarios.building.reach import reach
 from scenarios.building.things import drawn_hull, prism
-from scenarios.data_folder import data_file
+from scenarios.data_folder import data_file, robotics_assets
 from scenarios.motion.mocap import load_clip
 
 SCENE = Scene("probed", gallery(), (driven("probe", Sphere(0.4), 1.0),))
@@ -47,7 +47,7 @@ def test_every_piece_of_a_mesh_is_already_convex(name: str) -> None:
         assert volume == pytest.approx(QuickHull(vertices).volume, rel=2e-3)
 
 
-def test_the_doorway_lets_a_person_through_and_the_wall_beside_it_does_not() -> None:
+def test_the_doorway_lets_a_person_through() -> None:
     for x in np.linspace(-1.0, 1.0, 21):
         assert probed(x, 0.0, 1.2).deepest == 0.0
     assert probed(0.0, 1.2, 1.2).deepest > 0.4
@@ -77,8 +77,9 @@ def test_objects_stand_in_nothing() -> None:
 
 def test_without_the_data_package_it_is_missing_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(data_folder, "find_spec", lambda name: None)
-    for needs_it in (meshes.__wrapped__, lambda: load_clip("walk")):
-        with pytest.raises(MissingPackage, match="pybullet_data"):
+    packages = "pybullet_data", "pybullet_data", "gymnasium-robotics"
+    for needs_it, package in zip((meshes.__wrapped__, lambda: load_clip("walk"), robotics_assets), packages, strict=True):
+        with pytest.raises(MissingPackage, match=package):
             needs_it()
 
 
@@ -90,7 +91,7 @@ def test_a_file_with_y_up_is_turned(tmp_path: Path) -> None:
 
 
 @given(st.integers(0, 2**32 - 1))
-def test_a_drawn_hull_lies_about_its_centre_along_its_principal_axes(seed: int) -> None:
+def test_drawn_hull_has_its_centre_and_principal_axes_at_origin(seed: int) -> None:
     piece = drawn_hull(np.random.default_rng(seed), 0.045)
     mass = solid((piece,), 0.2)
     off = mass.inertia - np.diag(np.diag(mass.inertia))
@@ -105,7 +106,7 @@ def test_a_prism_has_the_moments_of_its_circle_as_its_sides_grow() -> None:
     assert inertia[0, 0] == pytest.approx(2.0 * (3.0 * 0.03**2 + 0.01**2) / 12.0, rel=1e-3)
 
 
-def test_a_rigid_hand_of_fifteen_parts_of_a_hundred_triangles_has_the_size_and_weight_of_a_hand() -> None:
+def test_rigid_hand_has_parts_size_and_weight_of_a_hand() -> None:
     pieces, hand = hand_pieces(), rigid_hand()
     (link,), sample = hand.links, rest((hand,))
     assert len(pieces) == 15 == 1 + sum(len(digit.bones) for digit in DIGITS)

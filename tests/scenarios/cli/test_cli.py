@@ -10,11 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from avatarsim.errors import InvalidFile
-from avatarsim.simulator import AvatarsimEngine
+from avatarsim.engine import Engine, FrameRecord, Settings
+from avatarsim.errors import InvalidFile, StartOverlaps
+from avatarsim.scene.scene import Scene
 from runfiles.timing_protocol import REPEATS, WARM_FRAMES
 from scenarios import catalog
 from scenarios.__main__ import main
+from scenarios.engines import opened
 from scenarios.measure.timing import TAIL
 from tests.scenarios.command_line import called, last, last_run, latest
 
@@ -29,11 +31,15 @@ def test_0_when_every_check_passes(site: Path, tmp_path: Path, capsys: pytest.Ca
     assert "exit code 0" in line and str(last_run(tmp_path)) in line and latest(tmp_path)["exit_code"] == 0
 
 
-@pytest.mark.parametrize("engines", [["frozen"], ["frozen", "absent"]])
-def test_1_when_a_gated_bound_failed_also_beside_a_missing_engine(
-    site: Path, tmp_path: Path, engines: list[str], capsys: pytest.CaptureFixture[str]
+def test_1_when_a_gated_bound_failed(
+    site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert called(tmp_path, "check", "--engine", *engines, *BALL, frames=40) == 1
+    """The report is written once the code is known, and before it is returned."""
+    seen: list[int] = []
+    monkeypatch.setattr(
+        "reports.write_report", lambda folder, *_: seen.append(json.loads((folder / "results.json").read_text())["exit_code"])
+    )
+    assert called(tmp_path, "check", "--engine", "frozen", "absent", *BALL, frames=40) == 1 and seen == [1]
     assert "exit code 1" in capsys.readouterr().out.strip().splitlines()[-1]
     assert {row["status"] for row in latest(tmp_path)["rows"] if row["engine"] == "frozen"} >= {"fail"}
 
@@ -55,25 +61,17 @@ def test_2_for_wrong_usage(
     assert err and all(name in err for name in named)
 
 
-def test_run_takes_all_presets_of_an_engine_and_check_its_first(site: Path, tmp_path: Path) -> None:
-    for command, presets in (("run", {"default", "other"}), ("check", {"default"})):
-        called(tmp_path, command, "--engine", "frozen", *BALL)
-        assert {row["preset"] for row in latest(tmp_path)["rows"]} == presets
-
-
-@pytest.mark.parametrize("option", ["--out", "--resume", "--settings"])
-def test_2_for_an_empty_path(site: Path, tmp_path: Path, option: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("option", "value"), [
+    ("--out", ""), ("--resume", ""), ("--settings", ""), ("--out", "/proc/foo"), ("--out", "/dev/null/x"), ("--out", "a_file"),
+])
+def test_2_for_an_empty_path_or_a_folder_that_cannot_be_made(
+    site: Path, tmp_path: Path, option: str, value: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
-    before = sorted(tmp_path.rglob("*"))
-    assert main(["check", "--engine", "tunnels", *BALL, "--frames", "3", "--jobs", "0", option, ""]) == 2
-    assert sorted(tmp_path.rglob("*")) == before
-
-
-@pytest.mark.parametrize("out", ["/proc/foo", "/dev/null/x", "a_file"])
-def test_2_for_a_folder_that_cannot_be_made(site: Path, tmp_path: Path, out: str, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "a_file").write_text("mine")
-    assert main(["check", "--engine", "tunnels", *BALL, "--frames", "3", "--jobs", "0", "--out", str(tmp_path / out)]) == 2
-    assert "--out" in capsys.readouterr().err
+    before = sorted(tmp_path.rglob("*"))
+    assert main(["check", "--engine", "tunnels", *BALL, "--frames", "3", "--jobs", "0", option, value]) == 2
+    assert option in capsys.readouterr().err and sorted(tmp_path.rglob("*")) == before
 
 
 @pytest.mark.parametrize(("engine", "status"), [("absent", "not-measured"), ("raises", "crashed"), ("no_engine", "not-measured")])
@@ -133,16 +131,6 @@ def test_5_when_a_pattern_matches_nothing(
     assert all(name in err for name in named)
 
 
-def test_the_report_is_written_before_the_code_is_returned(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    seen: list[int] = []
-
-    def read(run_dir: Path, *_: object) -> None:
-        seen.append(json.loads((run_dir / "results.json").read_text())["exit_code"])
-
-    monkeypatch.setattr("reports.write_report", read)
-    assert called(tmp_path, "check", "--engine", "frozen", *BALL, frames=40) == 1 and seen == [1]
-
-
 def test_json_is_the_only_output(site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     called(tmp_path, "check", "--engine", "frozen", *BALL, "--json", frames=40)
     said = capsys.readouterr()
@@ -154,9 +142,7 @@ def test_json_is_the_only_output(site: Path, tmp_path: Path, capsys: pytest.Capt
     assert ("residual_overlap_max", "m") in [(row["metric"], row["unit"]) for row in json.loads(capsys.readouterr().out)]
 
 
-def test_without_a_filter_times_are_those_of_everyday_scenes_and_a_comparison_takes_all(
-    site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_bench_takes_everyday_scenes_and_compare_takes_all(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     drop = catalog.get("ball_drop")
     both = {"ball_drop": drop, "rare": replace(drop, name="rare", everyday=False)}
     monkeypatch.setattr(catalog, "scenarios", lambda: both)
@@ -176,9 +162,7 @@ def test_without_a_filter_times_are_those_of_everyday_scenes_and_a_comparison_ta
     assert taken("compare") == taken("bench", "--filter", "*") == taken("compare", "--full") == taken("check") == set(both)
 
 
-def test_many_scenes_are_timed_quickly_in_a_comparison_and_whole_in_a_bench(
-    site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_compare_times_many_scenes_quickly_and_bench_whole(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("scenarios.run.harness.QUICK_FROM", 1)
     drop = replace(catalog.get("ball_drop"), everyday=False)
     monkeypatch.setattr(catalog, "scenarios", lambda: {"ball_drop": drop})
@@ -198,23 +182,28 @@ def test_many_scenes_are_timed_quickly_in_a_comparison_and_whole_in_a_bench(
         assert [row["note"].startswith(rounds) for row in stored if row["metric"] == "frame_time_p50"] == [True]
 
 
-def test_a_scene_that_every_engine_refuses_has_no_times_and_ends_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_scene_that_every_engine_refuses_has_no_times(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("scenarios.run.harness.QUICK_FROM", 1)
-    # a start that overlaps and is required to be exact
-    load = AvatarsimEngine.load
-    monkeypatch.setattr(
-        AvatarsimEngine, "load", lambda self, scene, settings, dt: load(self, scene, replace(settings, start="exact"), dt)
-    )
-    words = ["compare", "--engine", "avatarsim", "--preset", "default", "--filter", "coincident_start,ball_drop", "--jobs", "0"]
-    called(tmp_path, *words, frames=2)
+    engine = type(opened("tunnels"))
+    load = engine.load
+
+    def refusing(self: Engine, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
+        if scene.name == "coincident_start":
+            raise StartOverlaps([("a", "b", 0.1)])
+        return load(self, scene, settings, dt)
+
+    monkeypatch.setattr(engine, "load", refusing)
+    called(tmp_path, "compare", "--engine", "tunnels", "--preset", "default", "--filter", "coincident_start,ball_drop", frames=2)
     found = latest(tmp_path)
     timed = {row["scenario"] for row in found["rows"] if row["metric"] == "frame_time_p50" and row["value"] is not None}
     assert timed == {"ball_drop"} and found["exit_code"] is not None
 
 
-def test_every_preset_and_seed_is_a_run_of_its_own_and_the_same_twice_is_one(site: Path, tmp_path: Path) -> None:
+def test_every_preset_and_seed_is_one_run(site: Path, tmp_path: Path) -> None:
+    """The same twice is one; without presets, `run` takes all of an engine and `check` its first."""
+    for command, presets in (("run", {"default", "other"}), ("check", {"default"})):
+        called(tmp_path, command, "--engine", "frozen", *BALL)
+        assert {row["preset"] for row in latest(tmp_path)["rows"]} == presets
     words = ["check", "--engine", "tunnels", "tunnels", *BALL, "--preset", "default", "other", "--seed", "1", "2", "1"]
     called(tmp_path, *words)
     engines = latest(tmp_path)["engines"]
@@ -245,15 +234,13 @@ def test_a_whole_comparison_in_processes_of_their_own(site: Path, tmp_path: Path
     assert [path.name for path in (last_run(tmp_path) / "recordings").iterdir()] == ["ball_drop.talks.default.0.npz"]
 
 
-@pytest.mark.parametrize("command", ["check", "run", "bench"])
-def test_latest_leads_to_the_last_comparison_and_other_links_to_other_commands(
-    tmp_path: Path, command: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("reports.write_report", lambda *_: None)
-    out, words = tmp_path / "out", [*BALL, "--engine", "avatarsim", "--preset", "default"]
-    links = []
-    for one in (command, "compare", command):
-        called(tmp_path, one, *words, frames=2)
-        links.append({path.name: path.readlink().name for path in out.glob("latest*")})
-    assert set(links[0]) == {f"latest-{command}"} and set(links[2]) == {"latest", f"latest-{command}"}
-    assert links[2]["latest"] == links[1]["latest"] and links[2][f"latest-{command}"] != links[0][f"latest-{command}"]
+@pytest.mark.usefixtures("no_reports")
+def test_each_command_has_a_link_to_its_last_run(tmp_path: Path) -> None:
+    out, before, names = tmp_path / "out", dict[str, str](), {"compare": "latest"}
+    for command in ("check", "run", "compare", "bench", "check"):
+        called(tmp_path, command, *BALL, "--engine", "tracker", "--preset", "default", frames=2)
+        links = {path.name: path.readlink().name for path in out.glob("latest*")}
+        moved = names.get(command, f"latest-{command}")
+        assert {name for name, target in links.items() if before.get(name) != target} == {moved}
+        before = links
+    assert set(before) == {"latest", "latest-check", "latest-run", "latest-bench"}

@@ -28,9 +28,7 @@ def test_every_motion_in_every_room_and_crowds_with_rising_seeds() -> None:
     assert picked("unseen_wall", 3, 1) == [("unseen_wall", 3)] and picked("unseen_wal", 3, 1) == []
 
 
-def test_bodies_that_fall_are_within_the_bounds_and_bodies_that_freeze_are_not(
-    site: Path, capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_falling_bodies_pass_and_frozen_ones_fail(site: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code, found = rows(capsys, "--filter", "crowd_*", "--count", "5")
     assert code == 0 and {row["scenario"].split("_")[1] for row in found} == {"poured", "struck", "swept", "gripped", "kicked"}
     code, found = rows(capsys, "--filter", "crowd_poured_*", "--count", "1", "--engine", "frozen")
@@ -46,7 +44,7 @@ def test_an_engine_beside_the_first_breaks_nothing(site: Path, capsys: pytest.Ca
     assert "crowd_poured_42 --seed 42" in said and "time_kept_error" in said
 
 
-def test_a_motion_that_gives_no_occasion_for_a_figure_breaks_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+def test_motion_without_an_occasion_breaks_nothing(capsys: pytest.CaptureFixture[str]) -> None:
     code, found = rows(capsys, "--filter", "unseen_floor", "--count", "1")
     unsettled = [row for row in found if row["metric"] == "own_acceleration_rms"]
     assert code == 0 and [(row["value"], row["status"]) for row in unsettled] == [(None, "info")]

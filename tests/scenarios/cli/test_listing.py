@@ -10,7 +10,7 @@ from scenarios.cli.listing import effects_of
 from tests.scenarios.command_line import called, latest
 
 
-def test_an_effect_that_its_author_left_out_is_switched_off_and_lapses() -> None:
+def test_narrowed_effect_is_switched_off_and_lapses() -> None:
     scene = catalog.get("ball_drop").build()
     found, less = effects_of(scene), effects_of(replace(scene, narrow=("friction",)))
     assert {"restitution", "friction"} <= set(found["effects"]) and found["called_by"]["restitution"] and not found["lapsed"]

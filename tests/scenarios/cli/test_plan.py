@@ -53,7 +53,7 @@ def test_a_scene_of_any_kind_is_found_by_name() -> None:
             wrong("unseen_dor")
 
 
-def test_the_seed_follows_the_commit_and_without_a_repository_the_code(tmp_path: Path) -> None:
+def test_the_seed_follows_the_commit_or_the_code(tmp_path: Path) -> None:
     (tmp_path / "avatarsim").mkdir()
     (tmp_path / "avatarsim" / "a.py").write_text("x = 1\n")
     plain = seeds.draw_from(tmp_path)
@@ -70,9 +70,9 @@ def test_the_seed_follows_the_commit_and_without_a_repository_the_code(tmp_path:
     assert len(found) == 4
 
 
-def test_a_comparison_has_rows_and_times_with_the_seed_of_each(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("reports.write_report", lambda *_: None)
-    words = ["compare", "--filter", "ball_drop,unseen_floor", "--engine", "tracker", "avatarsim", "--preset", "default"]
+@pytest.mark.usefixtures("no_reports")
+def test_a_comparison_has_rows_and_times_with_the_seed_of_each(tmp_path: Path) -> None:
+    words = ["compare", "--filter", "ball_drop,unseen_floor", "--engine", "mujoco", "--preset", "default"]
     main([*words, "--jobs", "0", "--frames", "5", "--out", str(tmp_path)])
     found = json.loads((tmp_path / "latest" / "results.json").read_text())
     drawn = seeds.draw()

@@ -58,8 +58,8 @@ def test_a_run_with_a_damaged_plan_is_not_resumed(tmp_path: Path, plan: str, cap
     assert "plan.json" in capsys.readouterr().err and not (folder / "results.csv").exists()
 
 
-def test_the_link_to_the_last_run_is_moved_in_out_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("reports.write_report", lambda *_: None)
+@pytest.mark.usefixtures("no_reports")
+def test_the_link_to_the_last_run_is_moved_in_out_only(tmp_path: Path) -> None:
     folder = folder_with(tmp_path, GOOD)
     assert earlier_run(folder, "check") == folder.resolve()
     words = ["check", "--engine", "tracker", *BALL, "--frames", "3", "--jobs", "0", "--resume", str(folder)]
@@ -75,7 +75,7 @@ def test_the_command_that_resumes_has_the_option_once() -> None:
     assert found == ["python", "-m", "scenarios", "check", "--filter", "a*,b", "--out", "my runs", "--resume", "/new"]
 
 
-def test_recordings_of_the_earlier_run_are_kept_and_halves_of_a_killed_one_removed(site: Path, tmp_path: Path) -> None:
+def test_resuming_keeps_recordings_and_removes_halves(site: Path, tmp_path: Path) -> None:
     called(tmp_path, "check", "--engine", "frozen", *BALL, frames=40)
     folder = last_run(tmp_path)
     kept = folder / "recordings" / "ball_drop.frozen.default.0.npz"
@@ -90,9 +90,7 @@ def test_recordings_of_the_earlier_run_are_kept_and_halves_of_a_killed_one_remov
     assert not dead.exists() and mine.exists()
 
 
-def test_a_command_with_less_than_the_run_that_it_resumes_is_refused(
-    site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_resuming_with_fewer_words_is_refused(site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """All rows that it does not have would be lost, with their times."""
     path = tmp_path / "mine.toml"
     path.write_text("[frozen.mine]\ngain = 1.0\n")
@@ -117,9 +115,7 @@ def test_a_command_with_less_than_the_run_that_it_resumes_is_refused(
     assert {row["seed"] for row in latest(tmp_path)["rows"]} == {0, 1, 2}
 
 
-def test_results_of_a_whole_run_stay_until_the_command_that_resumes_it_has_ended(
-    site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_results_stay_until_the_resuming_command_has_ended(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     called(tmp_path, "run", "--engine", "frozen", *BALL)
     folder = last_run(tmp_path)
     before = (folder / "results.json").read_bytes()
@@ -132,7 +128,7 @@ def test_results_of_a_whole_run_stay_until_the_command_that_resumes_it_has_ended
     assert (folder / "results.json").read_bytes() == before
 
 
-@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGHUP])
 def test_a_signal_ends_a_real_run_in_order(tmp_path: Path, sent: signal.Signals) -> None:
     """The signal goes to the whole group, as from a terminal; the scene is long enough not to be finished."""
     site, out = tmp_path / "site", tmp_path / "out"

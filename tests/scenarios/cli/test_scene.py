@@ -2,7 +2,6 @@
 
 import json
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -11,20 +10,13 @@ import pytest
 
 from avatarsim.drift import kept_figures
 from avatarsim.errors import InvalidInput, UnknownName
-from scenarios import own_scenes
 from scenarios.__main__ import main
-from scenarios.run.limits import gates_of, limit_of, limits_of
+from scenarios.run.limits import gates_of, limits_of
 
 BOX = """<mujoco><worldbody><geom name="ground" type="plane" size="5 5 .1"/>
 <body name="a" pos="0 0 0.3"><freejoint/><geom type="box" size=".1 .1 .1" mass="1"/></body></worldbody></mujoco>"""
 LANDS = 40
 """Frames after which the box has landed."""
-
-
-@pytest.fixture(autouse=True)
-def nothing_asked(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    monkeypatch.setenv(own_scenes.VARIABLE, "")
-    yield
 
 
 @pytest.fixture
@@ -94,7 +86,7 @@ def test_figures_that_were_kept_fail_once_one_has_moved(box: str, tmp_path: Path
     assert called(*words) == 2
 
 
-def test_a_missing_engine_is_listed_and_fails_only_where_it_is_gated(
+def test_missing_engine_fails_only_where_it_is_gated(
     box: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "pybullet", None)
@@ -125,32 +117,24 @@ def test_2_for_wrong_usage_with_a_typed_error(
 
 @pytest.mark.parametrize(("text", "value"), [("1mm", 1e-3), ("0.5 cm", 5e-3), ("2e-6m", 2e-6), ("0", 0.0), ("3um", 3e-6)])
 def test_a_limit_has_its_unit(text: str, value: float) -> None:
-    assert limit_of("residual_overlap_max", text) == pytest.approx(value)
-    assert limits_of(text, ["frame_time_p95=2ms"]) == {"residual_overlap_max": pytest.approx(value), "frame_time_p95": 2000.0}
+    found = limits_of(text, ["frame_time_p95=2ms", "joint_limit_excess_max=2"])
+    assert found == {"residual_overlap_max": pytest.approx(value), "frame_time_p95": 2000.0, "joint_limit_excess_max": 2.0}
+    assert limits_of(None, [f"overlap={text}"]) == {"residual_overlap_max": pytest.approx(value)}
 
 
-def test_overlap_is_short_for_its_metric() -> None:
-    assert limits_of(None, ["overlap=1mm"]) == {"residual_overlap_max": 1e-3}
-
-
-def test_a_length_without_a_unit_is_refused() -> None:
-    with pytest.raises(InvalidInput):
-        limit_of("residual_overlap_max", "1")
-    assert limit_of("joint_limit_excess_max", "2") == 2.0
-
-
-def test_a_unit_of_another_quantity_is_refused() -> None:
-    with pytest.raises(InvalidInput):
-        limit_of("joint_limit_excess_max", "1mm")
-    with pytest.raises(UnknownName):
-        limits_of(None, ["no_such_metric=1"])
+@pytest.mark.parametrize(("limit", "error"), [
+    ("residual_overlap_max=1", InvalidInput), ("joint_limit_excess_max=1mm", InvalidInput), ("no_such_metric=1", UnknownName),
+])
+def test_a_limit_without_or_with_a_wrong_unit_is_refused(limit: str, error: type[Exception]) -> None:
+    with pytest.raises(error):
+        limits_of(None, [limit])
 
 
 @pytest.mark.parametrize(("gates", "engines", "limited", "found"), [
     (["a/b", "a/b"], ["c"], True, ["a/b"]), ([], ["c", "d/e"], True, ["c", "d/e"]), ([], [], True, ["avatarsim/default"]),
     ([], [], False, ["avatarsim/default"]), ([], ["c"], False, []), ([], ["c", "avatarsim"], False, ["avatarsim/default"]),
 ])
-def test_limits_are_for_gates_then_chosen_engines_then_the_one_that_promises(
+def test_limits_are_for_gates_then_engines_then_ours(
     gates: list[str], engines: list[str], limited: bool, found: list[str]
 ) -> None:
     assert gates_of(gates, engines, {"residual_overlap_max": 1e-3} if limited else {}) == found

@@ -9,7 +9,7 @@ def row(run: str, metric: str, value: float | None, status: Status = "info", bou
     return Row("drop", engine, preset, 0, 90, metric, value, "", bound, None, status, **more)  # type: ignore[arg-type]
 
 
-def test_a_run_has_its_figures_its_worst_status_and_the_number_of_broken_bounds() -> None:
+def test_table_has_figures_worst_status_and_broken_bounds() -> None:
     text = table([
         row("avatarsim/default", "residual_overlap_max", 2e-7, "pass", 1e-6), row("avatarsim/default", "still_frames", 2.0),
         row("mujoco/tuned", "residual_overlap_max", 3e-4, bound=1e-6),

@@ -45,10 +45,7 @@ def test_flags_are_switched_and_numbers_halved_and_doubled(valley: list[str]) ->
     called("rapier", *SCENE)
     assert {"sleep = True", "contact_recycling = True", "solver_iterations = 8", "weld_frequency = 50"} <= set(valley)
     assert not any(change.startswith(("optimises", "better", "dt as run", "version")) for change in valley)
-
-
-def test_entries_of_the_sweep_reach_zero(valley: list[str]) -> None:
-    called("rapier", *SCENE)
+    # and entries of the sweep reach zero
     assert "tuned skins=0" in valley and not any("dt=" in change for change in valley)
 
 

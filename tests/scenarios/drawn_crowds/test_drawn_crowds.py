@@ -7,7 +7,7 @@ import pytest
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Capsule, ConvexHull, Shape, Sphere
+from avatarsim.scene.shape import Box, Capsule, ConvexHull, Sphere
 from reference.judging.judge import Judge
 from scenarios import drawn_crowds
 from scenarios.drawn_crowds import KINDS
@@ -21,7 +21,7 @@ def scenes(count: int) -> list[Scene]:
     return [drawn_crowds.draw(seed).build() for seed in range(count)]
 
 
-def test_a_seed_draws_the_same_scene_and_motion_and_another_seed_others() -> None:
+def test_a_seed_draws_one_scene_and_motion() -> None:
     def of(seed: int) -> tuple[str, bytes]:
         scenario = drawn_crowds.draw.__wrapped__(seed)
         scene = scenario.build()
@@ -33,33 +33,23 @@ def test_a_seed_draws_the_same_scene_and_motion_and_another_seed_others() -> Non
     assert of(2)[1] != of(8)[1] and of(3)[1] != of(9)[1]
 
 
-def test_two_hundred_crowds_overlap_nowhere_at_the_start() -> None:
-    for scene in scenes(200):
+def test_ninety_crowds_overlap_nowhere_at_the_start() -> None:
+    for scene in scenes(90):
         assert Judge(scene).overlaps(*first_poses(scene)).deepest == 0.0, scene.name
 
 
-def test_two_hundred_crowds_have_every_kind_shape_and_law_that_they_should() -> None:
-    drawn = scenes(200)
-    kinds = Counter(scene.name.split("_")[1] for scene in drawn)
-    assert kinds == {"poured": 34, "struck": 34, "swept": 33, "gripped": 33, "kicked": 33, "moved": 33}
+def test_ninety_crowds_have_every_kind_shape_and_law() -> None:
+    drawn = scenes(90)
+    assert Counter(scene.name.split("_")[1] for scene in drawn) == dict.fromkeys((kind.__name__ for kind in KINDS), 15)
     loose = [[body for body in scene.bodies if body.role is Role.SIMULATED and body.name != "thrown"] for scene in drawn]
     assert min(map(len, loose)) < 10 and max(map(len, loose)) > 90 and all(5 <= len(bodies) <= 100 for bodies in loose)
     assert {type(body.pieces[0].shape) for bodies in loose for body in bodies} == {Box, Capsule, ConvexHull, Sphere}
     hands = {(scene.name.split("_")[1], len(scene.avatars)) for scene in drawn}
     assert hands == {("poured", 0), ("struck", 0), ("swept", 1), ("gripped", 2), ("kicked", 1), ("moved", 2)}
-    assert sum("wall_0" in scene.names for scene in drawn if "poured" in scene.name) not in (0, 34)
+    assert sum("wall_0" in scene.names for scene in drawn if "poured" in scene.name) not in (0, 15)
     for scene in drawn:
         for law in scene.materials.pairs.values():
             assert FRICTIONS[0] <= law.friction <= FRICTIONS[1] and RESTITUTIONS[0] <= law.restitution <= RESTITUTIONS[1]
-
-
-def size(shape: Shape) -> tuple[float, ...]:
-    """Return the edges of a box, thickness and length of a capsule, or diameter of a sphere [m]; () for others."""
-    if isinstance(shape, Box):
-        return shape.size
-    if isinstance(shape, Capsule):
-        return 2.0 * shape.radius, shape.length + 2.0 * shape.radius
-    return (2.0 * shape.radius,) if isinstance(shape, Sphere) else ()
 
 
 def test_a_crowd_is_found_by_its_name_of_any_seed() -> None:

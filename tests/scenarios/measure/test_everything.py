@@ -36,7 +36,7 @@ def test_a_scene_has_no_figures_of_what_it_has_not(scene: Scene, among: set[str]
     assert among <= set(found) and not (absent | stated | {"wrong_side_frames", "escaped_bodies"}) & set(found)
 
 
-def test_without_the_judge_its_figures_are_missing_by_fault_of_a_package(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_judge_its_figures_are_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "reference.judging.judge", None)
     values = measured(resting(fist_scene(), 2), Known(fist(2), fist_scene())).values
     overlap = values["residual_overlap_max"]

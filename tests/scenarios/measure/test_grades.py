@@ -14,7 +14,7 @@ def text_of(*folders: str) -> str:
     return "\n".join(file.read_text(encoding="utf-8") for file in files)
 
 
-def test_every_metric_and_every_closed_form_is_asked_for_by_a_test() -> None:
+def test_every_metric_and_closed_form_is_named_by_a_test() -> None:
     measures, tested = text_of("scenarios/measure", "scenarios/studies"), text_of("reference/closed_form")
     # percentiles are tested in a loop; the placeholder "run" is no measure
     asked = {metric for metric in METRICS if metric in measures or re.sub(r"p\d+$", "p{share}", metric) in measures}

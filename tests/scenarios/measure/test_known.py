@@ -45,7 +45,7 @@ def test_what_differs_by_a_bit_is_asked_again(field: str, asked: list[Recording]
     assert len(asked) == 2
 
 
-def test_contact_is_of_the_postures_shown_whatever_was_asked_before(asked: list[Recording]) -> None:
+def test_contact_is_of_the_postures_shown(asked: list[Recording]) -> None:
     recording, known = walked(30), Known(fist(), fist_scene())
     first = known.contact(recording)
     # a target in the wall puts the avatar in contact for any shown posture; before that only a shown posture near the wall does

@@ -6,7 +6,7 @@ from scenarios.measure.side import wrong_side
 from tests.scenarios.examples import DT, fist, fist_scene, resting, with_inside
 
 
-def test_frames_beyond_the_wall_are_counted_shown_or_inside_or_not_a_number() -> None:
+def test_frames_beyond_the_wall_are_counted() -> None:
     recording = resting(fist_scene(), 8)
     recording.positions[2:4, 1, 0] = 0.51
     recording.positions[5, 1, 2] = np.nan

@@ -12,7 +12,7 @@ from scenarios.measure.value import Missing
 from tests.scenarios.examples import fist_scene, resting
 
 
-def test_the_least_of_all_repeats_counts_and_the_raw_times_stand_beside() -> None:
+def test_the_least_of_all_repeats_counts() -> None:
     pattern = np.array([[1000, 9000, 3000], [2000, 2000, 50000], [4000, 8000, 60000]])
     around = np.tile(pattern, 67)
     found = frame_times(Timed(around, {}, 1.5, ("a", "a", "a")))
@@ -35,22 +35,22 @@ def test_the_engines_own_time_is_its_stages_without_our_adapter() -> None:
 @pytest.mark.parametrize(("ends", "recorded", "same"), [
     ("ab", (), 0.0), ("cc", "abcd", 1.0), ("cc", "acbc", 0.0),
 ])
-def test_all_repeats_and_the_accuracy_pass_must_have_reached_the_same_bits(ends: str, recorded: str, same: float) -> None:
+def test_deterministic_means_equal_bits_in_all_repeats(ends: str, recorded: str, same: float) -> None:
     timed = Timed(np.ones((2, 2), dtype=np.int64), {}, 0.0, tuple(ends))
     assert frame_times(timed, tuple(recorded))["deterministic"] == same
 
 
-def test_work_is_a_mean_per_frame_and_what_waits_a_sum() -> None:
-    recording = replace(
-        resting(fist_scene(), 4), counts={"pairs": np.array([100, 1, 2, 3, 4]), "waiting": np.array([0, 1, 0, 2, 0])},
-    )
-    assert work(recording) == {"pairs_per_frame": 2.5, "waiting": 3.0}
+def test_work_is_a_mean_per_frame_and_frames_of_a_state_a_sum() -> None:
+    states = {name: np.array([9, 1, 0, k, 1]) for k, name in enumerate(("waiting", "planning", "following", "out_of_work"))}
+    found = work(replace(resting(fist_scene(), 4), counts={**states, "pairs": np.array([100, 1, 2, 3, 4])}))
+    # the first state is no frame
+    assert found == {"waiting": 2.0, "planning": 3.0, "following": 4.0, "out_of_work": 5.0, "pairs_per_frame": 2.5}
 
 
 @pytest.mark.parametrize(("repeats", "frames", "tail"), [
     (REPEATS, TAIL_FRAMES, True), (REPEATS - 1, TAIL_FRAMES, False), (REPEATS, TAIL_FRAMES - 1, False), (9, 1000, True),
 ])
-def test_a_tail_wants_enough_repeats_of_enough_frames_and_says_what_there_was(repeats: int, frames: int, tail: bool) -> None:
+def test_tail_wants_enough_repeats_of_enough_frames(repeats: int, frames: int, tail: bool) -> None:
     timed = Timed(np.full((repeats, frames), 5000, dtype=np.int64), warm_frames=30)
     found = frame_times(timed)
     assert found["frame_time_p50"] == found["frame_time_p95"] == 5.0
@@ -62,17 +62,7 @@ def test_a_tail_wants_enough_repeats_of_enough_frames_and_says_what_there_was(re
     assert found["frame_time_max"] == 5.0 and set(notes.values()) == {f"{repeats} x {frames} frames, 30 warm-up frames"}
 
 
-@pytest.mark.parametrize("part", [slice(None), slice(1, None)])
-def test_the_slowest_frame_is_the_slowest_of_all_repeats_however_few_there_are(part: slice) -> None:
-    around = np.full((REPEATS, 20), 3000, dtype=np.int64)
-    around[:, 7], around[1, 9] = 40_000, 90_000
-    timed = Timed(around[part])
-    found = frame_times(timed)
-    assert found["frame_time_max"] == 90.0 and isinstance(found["frame_time_p99"], Missing)
-    assert time_notes(timed, found)["frame_time_max"].startswith(f"{len(around[part])} x 20 frames")
-
-
-def test_engines_are_compared_by_what_all_had_and_the_tail_is_of_all_that_one_had() -> None:
+def test_medians_are_of_shared_frames_and_tails_of_all_own() -> None:
     around = np.full((REPEATS, TAIL_FRAMES), 9000, dtype=np.int64)
     around[0, :50], around[1, :50], around[0, 7] = 3000, 1000, 50_000
     around[:, -1] = 70_000
@@ -105,7 +95,7 @@ def test_a_median_of_two_phases_is_told_apart(moving: int) -> None:
     assert not {"frame_time_moving_p50", "resting_frames"} & set(frame_times(timed, resting=rests[:179]))
 
 
-def test_no_tail_is_given_below_a_95th_percentile_over_fewer_frames() -> None:
+def test_no_tail_below_a_percentile_over_fewer_frames() -> None:
     """The first 50 frames are compared, and they are the expensive ones."""
     around = np.full((REPEATS, 5 * TAIL_FRAMES), 1000, dtype=np.int64)
     around[:, :5] = 40_000
@@ -127,10 +117,3 @@ def test_shares_of_the_frames_are_those_of_a_sorted_list() -> None:
     for share in (95, 99):
         below = np.mean(every <= found[f"frame_time_raw_p{share}"])
         assert below == pytest.approx(share / 100.0, abs=1.0 / len(every))
-
-
-def test_frames_that_wait_plan_and_follow_are_a_sum_over_the_run() -> None:
-    numbers = {name: np.array([9, 1, 0, k, 1]) for k, name in enumerate(("waiting", "planning", "following", "out_of_work"))}
-    found = work(replace(resting(fist_scene(), 4), counts=numbers))
-    # the first state is no frame
-    assert found == {"waiting": 2.0, "planning": 3.0, "following": 4.0, "out_of_work": 5.0}

@@ -40,7 +40,7 @@ def test_a_track_goes_through_its_keys_and_then_rests() -> None:
     assert np.allclose(track.posture(59).rotations, START.rotations) and np.allclose(track.posture(69).angles, START.angles)
 
 
-def test_pushes_repeat_by_seed_and_a_longer_track_begins_as_a_shorter_one() -> None:
+def test_longer_track_of_a_seed_begins_as_a_shorter_one() -> None:
     def ready(random: np.random.Generator) -> TrackerSample:
         return START
 

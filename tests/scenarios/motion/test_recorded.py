@@ -73,7 +73,7 @@ def test_each_link_of_two_layers_moves_as_in_its_own_clip() -> None:
         np.testing.assert_array_equal(values, whole[first : first + len(walk.times)])
 
 
-def test_a_placed_clip_begins_where_it_is_put_and_is_otherwise_the_same() -> None:
+def test_placed_clip_is_the_same_from_another_start() -> None:
     clip = load_clip("walk")
     there = placed(clip, 2.0, -1.0, np.pi / 2)
     assert np.allclose(there.root_positions[0], [2.0, -1.0, clip.root_positions[0, 2]])
@@ -94,12 +94,10 @@ def numbered(frames: int) -> Track:
     return Track(positions, np.tile(rotation.IDENTITY, (frames, 1, 1)), np.zeros((frames, 0)))
 
 
-def test_backwards_begins_at_the_end_and_there_and_back_turns_without_a_pause() -> None:
+def test_tracks_go_backwards_and_there_and_back_and_end_at_rest() -> None:
+    """Times are those of the end of the frame, and the last posture stays."""
     assert numbered(4).there_and_back(9).positions[:, 0, 0].tolist() == [0, 1, 2, 3, 2, 1, 0, 1, 2]
     assert numbered(3).backwards().positions[:, 0, 0].tolist() == [2, 1, 0]
-
-
-def test_times_are_those_of_the_end_of_the_frame_and_the_last_posture_stays() -> None:
     motion = numbered(3).motion()
     assert motion(0).time == pytest.approx(1.0 / 60.0)
     assert motion(59).time == pytest.approx(1.0) and motion(59).positions[0, 0] == 2.0
@@ -107,7 +105,7 @@ def test_times_are_those_of_the_end_of_the_frame_and_the_last_posture_stays() ->
         motion(-1)
 
 
-def test_a_lead_in_goes_from_the_start_to_the_first_posture_in_small_steps() -> None:
+def test_lead_in_goes_to_the_first_posture_in_small_steps() -> None:
     start = standing(HUMAN)
     clip = track_of(retimed(load_clip("punch")), HUMAN)
     led = clip.led_in(start)

@@ -38,7 +38,7 @@ def test_an_even_motion_is_the_same_motion_at_every_rate(step: float) -> None:
         np.testing.assert_allclose(found.angles, wanted.angles, atol=1e-12)
 
 
-def test_every_third_frame_at_90_hz_is_a_second_one_at_60_to_the_bit() -> None:
+def test_whole_samples_at_90_hz_equal_those_at_60_to_the_bit() -> None:
     motion = resampled(even, at(0.0), RENDERED, FASTER)
     for frame in range(2, 60, 3):
         whole = even(2 * (frame + 1) // 3 - 1)

@@ -60,26 +60,22 @@ def moved(change: Callable[[int, TrackerSample], TrackerSample]) -> Callable[[Sc
 @pytest.mark.parametrize(
     "other", [{"seed": 1}, {"frames": 2}, {"narrow": ("friction",)}, {"force": ("friction",)}, {"full": True}],
 )
-def test_engines_of_a_scene_share_what_is_prepared_and_other_jobs_do_not(other: dict[str, object]) -> None:
+def test_engines_of_a_scene_share_what_is_prepared(other: dict[str, object]) -> None:
     first = prepare(job("fist"))
     assert prepare(job("fist", "mujoco", options={"dt": 0.001})) is first
     assert prepare(job("fist", "mujoco")).samples is first.samples
     assert prepare(job("fist", **other)) is not first and prepare(job("drop")).scene.name != first.scene.name
 
 
-def test_a_scenario_of_the_same_name_is_prepared_anew(offered: dict[str, Scenario]) -> None:
-    first = prepare(job("fist"))
-    offered["fist"] = fist()
-    assert prepare(job("fist")) is not first
-
-
-@pytest.mark.usefixtures("offered")
-def test_the_tracker_has_its_links_where_kinematics_says() -> None:
+def test_the_tracker_has_its_links_where_kinematics_says(offered: dict[str, Scenario]) -> None:
+    """And a scenario of the same name is prepared anew."""
     found = prepare(job("fist"))
     assert len(found.states) == found.scenario.frames + 1 and found.states[0] is found.scene.first_sample
     for k, state in enumerate(found.states):
         positions, orientations = link_poses(found.scene.avatars, state)
         assert found.raw[0][k].tolist() == positions.tolist() and found.raw[1][k].tolist() == orientations.tolist()
+    offered["fist"] = fist()
+    assert prepare(job("fist")) is not found
 
 
 def test_a_run_is_recorded_and_measured(folder: Path) -> None:
@@ -106,7 +102,7 @@ def test_states_inside_frames_are_measured_and_then_left_out(folder: Path) -> No
 
 
 @pytest.mark.parametrize("engine", ["tunnels", "not_a_number"])
-def test_a_second_job_has_the_figures_of_the_recording_to_the_last_bit(folder: Path, engine: str) -> None:
+def test_second_job_has_the_figures_of_the_first_to_the_bit(folder: Path, engine: str) -> None:
     first, again = accuracy(job("fist", engine), folder), accuracy(job("fist", engine), folder)
     assert repr(first.values) == repr(again.values) and repr(first.overlap_m) == repr(again.overlap_m)
     assert (again.notes, again.hashes, again.frame_seconds) == (first.notes, first.hashes, first.frame_seconds)
@@ -157,7 +153,7 @@ def test_a_refused_start_is_right_where_the_scene_expects_it(
     assert accuracy(job(scenario), folder).state == state
 
 
-def test_an_invalid_tracker_sample_is_found_before_any_engine_runs(folder: Path, offered: dict[str, Scenario]) -> None:
+def test_invalid_sample_is_found_before_any_engine_runs(folder: Path, offered: dict[str, Scenario]) -> None:
     nowhere = np.full((1, 3), np.nan)
     offered["lost"] = replace(fist(), motion=moved(lambda k, one: replace(one, positions=nowhere) if k == 2 else one))
     for _ in range(2):

@@ -13,6 +13,7 @@ from reference.judging.judge import Judge
 from scenarios.__main__ import main
 from scenarios.catalog import scenarios
 from tests.scenarios.bad_engines import DEPTH, joined
+from tests.scenarios.conftest import without_reports
 
 AFTER_CONTACT = 4
 """Frames after the first one in which the raw tracker is clearly inside something: enough for every fault to appear."""
@@ -32,8 +33,7 @@ METRICS = {
 def _strangers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(joined(tmp_path_factory.mktemp("site")))
-        # the pages have their own tests, and take longer than these runs
-        patch.setattr("reports.write_report", lambda *_: None)
+        without_reports(patch)
         yield
 
 

@@ -21,6 +21,9 @@ from scenarios.run import processes as module
 from scenarios.run.harness import Run
 from scenarios.run.processes import cluster, side_by_side
 from scenarios.run.provenance import provenance
+from scenarios.studies.contact_law import worlds
+from scenarios.studies.hard_cases import ask as hard_cases
+from scenarios.studies.hard_cases.plan import trials
 from tests.scenarios.killed import differing, of_run, run_of
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -64,8 +67,8 @@ def on(words: list[str], where: generic.Cluster) -> Iterator[tuple[str, str | Di
     return side_by_side(test_cluster.act, words, where)
 
 
-def test_each_task_has_its_answer_or_how_it_died_and_the_cluster_is_left_to_the_next(address: str) -> None:
-    early = on(["one"] * 8, cluster(address))
+def test_each_task_has_its_answer_or_how_it_died(address: str) -> None:
+    early = on(["one"] * 4, cluster(address))
     next(early)
     early.close()
     words = ["one", "die", "two", "raise", "one", "threads"]
@@ -78,9 +81,9 @@ def test_each_task_has_its_answer_or_how_it_died_and_the_cluster_is_left_to_the_
     assert len({str(answer).split()[-1] for word, answer in found if word in ("one", "two")}) == 3
 
 
-def test_a_comparison_on_a_cluster_leaves_the_same_bytes(address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("reports.write_report", lambda *_: None)
-    words = ["compare", "--engine", "avatarsim", "tracker", "--preset", "default", "--filter", "hand_over_table", "--frames", "6"]
+@pytest.mark.usefixtures("no_reports")
+def test_a_comparison_on_a_cluster_leaves_the_same_bytes(address: str, tmp_path: Path) -> None:
+    words = ["compare", "--engine", "mujoco", "tracker", "--preset", "default", "--filter", "hand_over_table", "--frames", "6"]
     here, there = tmp_path / "here", tmp_path / "there"
     codes = [main([*words, "--out", str(here), "--jobs", "2"]), main([*words, "--out", str(there), "--scheduler", address])]
     assert codes[0] == codes[1] and len(list(run_of(there).glob("recordings/*.npz"))) == 2
@@ -88,7 +91,10 @@ def test_a_comparison_on_a_cluster_leaves_the_same_bytes(address: str, tmp_path:
     assert json.loads((run_of(there) / "results.json").read_text())["provenance"]["timing"]["seconds"] > 0.0
 
 
-def test_studies_on_a_cluster_find_the_same(address: str, tmp_path: Path) -> None:
+def test_studies_on_a_cluster_find_the_same(address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(hard_cases, "trials", lambda: trials()[:4])
+    monkeypatch.setattr(worlds, "SHAPES", worlds.SHAPES[:1])
+    monkeypatch.setattr(worlds, "RATES", worlds.RATES[:1])
     words = ["study", "hard_cases", "contact_law", "--engine", "mujoco", "--preset", "default", "--filter", "squeeze"]
     found = []
     for name, more in (("here", ["--jobs", "2"]), ("there", ["--scheduler", address])):
@@ -121,7 +127,7 @@ def test_an_address_without_a_scheduler_is_refused(monkeypatch: pytest.MonkeyPat
             next(side_by_side(str, [1], cluster(wrong)))
 
 
-def test_a_cluster_that_has_lost_its_workers_resumes_with_a_new_one(
+def test_cluster_that_lost_its_workers_resumes_with_a_new_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """The nanny of the killed worker starts another one, which takes longer than many polls."""
@@ -163,7 +169,7 @@ class Client:
     ([{"a", "b"}], 0, []), ([{"a"}, set(), set(), set(), {"c"}], 3, ["a", "b"]), ([{"a"}, None, {"a", "b"}], 0, []),
     ([{"a"}, {"a", "late"}, {"a", "b"}], 0, ["late"]), ([None], 0, []),
 ])
-def test_lines_come_while_there_is_no_worker_and_lost_ones_are_known(
+def test_lost_workers_are_told_and_known(
     looks: list[set[str] | None], lines: int, lost: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(generic, "LOOK_EVERY", 0.001)

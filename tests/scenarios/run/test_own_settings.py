@@ -40,7 +40,7 @@ def test_a_word_where_a_number_belongs_is_refused() -> None:
         check_settings([row("pybullet", solver_iterations="many")], "ball_drop", Path("mine.toml"), 1)
 
 
-def test_an_engine_that_fails_is_a_result_and_no_fault_of_the_settings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failing_engine_is_no_fault_of_the_settings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(joined(tmp_path))
     check_settings([row("raises"), row("dies"), row("absent")], "ball_drop", Path("mine.toml"), 2)
 

@@ -33,7 +33,7 @@ def lines(path: Path) -> list[dict[str, str]]:
     return list(csv.DictReader(path.read_text().splitlines()))
 
 
-def test_csv_has_the_promised_columns_and_an_empty_field_for_nothing(tmp_path: Path) -> None:
+def test_csv_has_its_columns_and_empty_fields(tmp_path: Path) -> None:
     write(results(ROWS), tmp_path)
     found = lines(tmp_path / "results.csv")
     assert tuple(found[0]) == (*RESULTS, *MORE) and not (tmp_path / "bench.csv").exists()
@@ -41,9 +41,12 @@ def test_csv_has_the_promised_columns_and_an_empty_field_for_nothing(tmp_path: P
     assert [row["bound"] for row in found] == ["1e-06", "0.0", "", "1.0"]
     assert [row["waiver"] for row in found] == ["0.001", "", "", "3.0"]
     assert [row["status"] for row in found] == ["pass", "fail", "crashed", "waived"]
+    timed = Row("drop", "e", "default", 0, 90, "frame_time_p50", 12.0, "us", None, None, "info")
+    write(results([*ROWS, timed]), tmp_path)
+    assert [row["metric"] for row in lines(tmp_path / "bench.csv")] == ["frame_time_p50"]
 
 
-def test_csv_has_a_reason_for_figures_that_do_not_compare_engines(tmp_path: Path) -> None:
+def test_csv_says_why_figures_do_not_compare(tmp_path: Path) -> None:
     rows = [replace(ROWS[0], engine="mujoco"), replace(ROWS[0], engine="mujoco", metric="restitution_error_max")]
     bounces = Outcome(Job("drop", "mujoco", "default"), "measured", about={"unsupported": {"restitution": "no coefficient"}})
     write(replace(results(rows), outcomes=[bounces]), tmp_path)
@@ -68,12 +71,6 @@ def test_json_is_strict_and_complete_and_reports_can_read_it(tmp_path: Path) -> 
     assert run.exit_code == 1 and run.titles == {"drop": "A drop."}
 
 
-def test_bench_appears_with_the_first_time(tmp_path: Path) -> None:
-    timed = Row("drop", "e", "default", 0, 90, "frame_time_p50", 12.0, "us", None, None, "info")
-    write(results([*ROWS, timed]), tmp_path)
-    assert [row["metric"] for row in lines(tmp_path / "bench.csv")] == ["frame_time_p50"]
-
-
 def test_numbers_without_a_word_in_json_become_texts(tmp_path: Path) -> None:
     assert plain({"a": np.float64("nan"), 1: (np.int64(3), -np.inf), "b": np.array([True, False])}) == {
         "a": "NaN", "1": [3, "-Infinity"], "b": [True, False],
@@ -89,7 +86,7 @@ def test_a_folder_called_latest_is_left_alone(tmp_path: Path) -> None:
     assert (tmp_path / "latest" / "mine.txt").read_text() == "mine"
 
 
-def test_a_run_that_has_ended_is_checked_once_its_figures_are_safe(tmp_path: Path) -> None:
+def test_ended_run_is_checked_once_its_figures_are_safe(tmp_path: Path) -> None:
     broken = [replace(ROWS[0], scenario=None)]  # type: ignore[arg-type]
     write(results(broken, None), tmp_path)
     with pytest.raises(InvalidFile, match=r"^rows\[0\]\.scenario"):

@@ -27,7 +27,7 @@ VALUES: dict[str, Value] = {
 }
 
 
-def test_a_scene_file_has_every_kind_of_shape_and_is_written_once(tmp_path: Path) -> None:
+def test_scene_file_has_every_shape_and_is_written_once(tmp_path: Path) -> None:
     pieces, ball = tuple(Piece(shape, (0.1, 0.0, 0.0)) for shape in KINDS), (Piece(Sphere(0.5)),)
     bodies = fixed("wall", pieces, "wood"), simulated("ball", ball, "wood", solid(ball, 2.0), (0.0, 0.0, 3.0))
     write_scene(Scene("any", bodies), tmp_path, "any")
@@ -80,7 +80,7 @@ def test_velocities_are_kept_of_bodies_and_not_of_links() -> None:
     assert np.isfinite(whole.velocities).all() and links.stop > links.start
 
 
-def test_of_frames_on_the_wrong_side_the_first_snapshot_is_kept_and_of_others_none() -> None:
+def test_first_snapshot_on_the_wrong_side_of_a_frame_is_kept() -> None:
     scene, base = drop_scene(), resting(drop_scene(), 4)
     positions = np.tile(base.positions[0], (7, 1, 1))
     positions[:, scene.names.index("ball"), 2] = [0.5, 0.6, 1.2, 1.3, 0.7, 1.4, np.nan]

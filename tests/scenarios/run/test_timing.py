@@ -62,9 +62,7 @@ def test_each_repeat_is_a_fresh_load_whatever_ran_before() -> None:
     assert lasts[2] == LoadedFrames(ZENO, 7).run()[2] and lasts[3] == LoadedFrames(BALL, 5).run()[2] != lasts[0]
 
 
-def test_every_frame_of_every_repeat_is_timed_and_an_engine_without_times_has_a_reason(
-    tmp_path: os.PathLike[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_every_frame_is_timed_or_the_engine_has_a_reason(tmp_path: os.PathLike[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(joined(tmp_path))
     before = {child.pid for child in multiprocessing.active_children()}
     jobs = [Job("ball_drop", engine, "default", frames=9) for engine in ("tunnels", "raises", "absent", "dies", "nobody")]
@@ -89,7 +87,7 @@ def test_each_job_has_its_own_number_of_repeats_and_frames() -> None:
     assert facts["repeats"] == REPEATS and named < set(facts)
 
 
-def test_engines_are_compared_by_the_repeats_and_frames_that_all_had() -> None:
+def test_engines_are_compared_by_what_all_had() -> None:
     shapes = ((3, 200), (1, 46), (2, 90))
     found = [Clocked(Job("zeno", "tracker", "default"), Timed(np.ones(shape, dtype=np.int64))) for shape in shapes]
     none = Clocked(Job("zeno", "tracker", "default"), None, "it died")
@@ -99,11 +97,15 @@ def test_engines_are_compared_by_the_repeats_and_frames_that_all_had() -> None:
 
 
 def test_frames_before_the_window_run_and_are_not_timed() -> None:
-    late, early = (Job("hand_over_table", "avatarsim", preset, frames=40) for preset in ("default", "paper"))
-    found = compared(timed_pass([late, early], True, [Round(REPEATS, 30, 10), Round(REPEATS, 15, 25)]))
-    whole = timed_pass([late], True, [Round(REPEATS, 0, 40)])[0].timed
+    """In a process that stays they are its warm-up."""
+    late, early = (Job("hand_over_table", "avatarsim", preset, frames=50) for preset in ("default", "paper"))
+    plan = [Round(REPEATS, WARM_FRAMES, 10), Round(REPEATS, WARM_FRAMES - 1, 20)]
+    with TimedWorkers() as workers:
+        found = compared(timed_pass([late, early], True, plan, [workers.at(job.run) for job in (late, early)]))
+    whole = timed_pass([late], True, [Round(1, 0, WARM_FRAMES + 10)])[0].timed
     for one in found:
-        assert one.timed is not None and one.timed.shared == Round(REPEATS, 30, 10) and one.timed.compared_us.shape == (10,)
+        assert one.timed is not None and one.timed.shared == plan[0] and one.timed.warm_frames == WARM_FRAMES
+        assert one.timed.compared_us.shape == (10,)
     # its final bits equal those of a run timed from its start
     assert whole is not None and found[0].timed is not None and set(found[0].timed.hashes) == set(whole.hashes)
 
@@ -113,7 +115,7 @@ def quick(scene: str, engines: tuple[str, ...], workers: TimedWorkers, frames: i
     return quick_timing(jobs, [FAST] * len(jobs), get(scene).as_run(False).frames, workers)
 
 
-def test_scenes_share_processes_and_every_engine_is_warm_and_has_the_same_frames() -> None:
+def test_scenes_share_warm_processes_and_frames() -> None:
     with TimedWorkers() as workers:
         first = quick("ball_drop", ("avatarsim", "mujoco"), workers)
         processes = {run: worker.child.pid for run, worker in workers.taken.items()}
@@ -126,16 +128,6 @@ def test_scenes_share_processes_and_every_engine_is_warm_and_has_the_same_frames
             # both are shorter than the frames required of a longer one
             assert one.timed is not None and one.timed.around_ns.shape == (REPEATS, get(scene).as_run(False).frames)
             assert np.isnan(one.timed.warmup) and one.timed.warm_frames == WARM_FRAMES and len(set(one.timed.hashes)) == 1
-
-
-def test_frames_before_a_late_window_are_the_warm_up_of_a_process_that_stays() -> None:
-    late, early = (Job("hand_over_table", "avatarsim", preset, frames=50) for preset in ("default", "paper"))
-    with TimedWorkers() as workers:
-        plan = [Round(1, WARM_FRAMES, 10), Round(1, WARM_FRAMES - 1, 10)]
-        found = timed_pass([late, early], True, plan, [workers.at(job.run) for job in (late, early)])
-    whole = timed_pass([late], True, [Round(1, 0, WARM_FRAMES + 10)])[0].timed
-    assert all(one.timed is not None and one.timed.warm_frames == WARM_FRAMES for one in found)
-    assert whole is not None and found[0].timed is not None and found[0].timed.hashes == whole.hashes
 
 
 def test_an_engine_that_dies_has_a_new_process_in_the_next_scene(
@@ -169,7 +161,7 @@ def test_a_scene_of_a_sweep_or_an_everyday_one_is_timed_whole() -> None:
     assert shapes == [(REPEATS, frames), (1, frames), (REPEATS, frames)]
 
 
-def test_a_fast_engine_has_the_whole_scene_or_a_tail_whatever_is_slow_beside_it() -> None:
+def test_fast_engine_has_its_tail_beside_a_slow_one() -> None:
     assert rounds([FAST, SLOW, MEDIUM], 600, 0) == [(REPEATS, 0, 600), (1, 0, LEAST_FRAMES), (REPEATS, 0, TAIL_FRAMES)]
     # if the user meets nothing, the frames before the window warm it up
     assert rounds([SLOW, MEDIUM], 600) == [(1, WARM_FRAMES, LEAST_FRAMES), (REPEATS, WARM_FRAMES, TAIL_FRAMES)]
@@ -182,7 +174,7 @@ def test_a_fast_engine_has_the_whole_scene_or_a_tail_whatever_is_slow_beside_it(
 
 
 @given(length=st.integers(10, 1200), share=st.floats(0.0, 1.0), cost=st.floats(1e-5, 0.1))
-def test_the_shared_window_holds_the_first_contact_and_is_in_the_frames_of_all(length: int, share: float, cost: float) -> None:
+def test_shared_window_holds_the_first_contact(length: int, share: float, cost: float) -> None:
     whole = min(length, MOST_FRAMES)
     meets = min(int(share * whole), whole - 1)
     plan = rounds([FAST, MEDIUM, cost, 0.5 * cost], length, meets)
@@ -192,7 +184,7 @@ def test_the_shared_window_holds_the_first_contact_and_is_in_the_frames_of_all(l
     assert all(0 <= each.first and each.first + each.frames <= whole and each.repeats in (1, REPEATS) for each in plan)
 
 
-def test_an_unseen_motion_is_timed_at_its_deepest_contact_as_far_as_the_lead_reaches() -> None:
+def test_unseen_motion_is_timed_at_its_deepest_contact_in_reach() -> None:
     # a touch at the start, contact in the third second, more in the ninth
     depths = [0.0] * 601
     depths[3], depths[181:201], depths[521:561] = 0.01, 20 * [0.1], 40 * [0.3]

@@ -49,7 +49,7 @@ def test_rows_go_into_the_last_comparison(tmp_path: Path, fakes: Fakes) -> None:
 
 
 def test_a_real_setting_from_end_to_end(tmp_path: Path) -> None:
-    words = ["study", "settings", "--filter", "stop_distance", "--engine", "avatarsim", "--preset", "paper", "--jobs", "2"]
+    words = ["study", "settings", "--filter", "stop_distance", "--engine", "avatarsim", "--preset", "paper", "--jobs", "0"]
     assert main([*words, "--frames", "2", "--out", str(tmp_path)]) == 0
     found = {row["metric"]: float(row["value"]) for row in rows(tmp_path) if row["value"]}
     assert found["residual_overlap_max"] == 0.0 and found["frame_time_p50"] > 0.0

@@ -19,7 +19,7 @@ def request(folder: Path, *names: str, engine: str = "avatarsim") -> Request:
     return Request(folder, {name: catalog.get(name) for name in names}, {engine: ("default",)}, 0)
 
 
-def test_every_effect_is_left_out_once_and_all_others_are_forced_together(tmp_path: Path) -> None:
+def test_every_effect_is_left_out_once_others_are_forced(tmp_path: Path) -> None:
     scene = catalog.get("ball_drop").build()
     made = study.jobs("ball_drop", scene, request(tmp_path))
     on = [effect.name for effect in fields(Effects) if getattr(scene.effects, effect.name)]
@@ -41,7 +41,7 @@ def figure(rows: Sequence[Row], change: str, metric: str) -> float | None:
     return found
 
 
-def test_leaving_out_bounce_or_continuous_detection_breaks_the_bounds_that_need_them(tmp_path: Path) -> None:
+def test_leaving_out_an_effect_breaks_the_bounds_that_need_it(tmp_path: Path) -> None:
     rows, troubles = study.STUDY.carry_out(request(tmp_path, "ball_drop", "stack_ten"))
     assert troubles == [] and {row.scenario for row in rows} == {"ball_drop"}, "a pile is no everyday scene"
     assert figure(rows, "without friction", "pose_distance_max") == 0.0
@@ -57,7 +57,7 @@ def test_leaving_out_bounce_or_continuous_detection_breaks_the_bounds_that_need_
 
 
 @pytest.mark.parametrize(("name", "engine"), [("stack_ten", "avatarsim"), ("ball_drop", "mujoco")])
-def test_without_an_everyday_scene_or_our_engine_nothing_is_written(tmp_path: Path, name: str, engine: str) -> None:
+def test_nothing_is_written_without_everyday_scene_or_our_engine(tmp_path: Path, name: str, engine: str) -> None:
     assert study.STUDY.carry_out(request(tmp_path, name, engine=engine)) == ([], []) and list(tmp_path.iterdir()) == []
 
 

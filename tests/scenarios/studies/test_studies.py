@@ -1,6 +1,5 @@
 """Studies within a comparison: their arguments, and the handling of one that fails."""
 
-import argparse
 import json
 from pathlib import Path
 
@@ -12,17 +11,14 @@ from scenarios.__main__ import parser
 from scenarios.cli import comparison
 from scenarios.studies.study import Request, Study, in_turn
 from tests.scenarios.command_line import latest
+from tests.scenarios.conftest import without_reports
 
 
-def asked(tmp_path: Path) -> argparse.Namespace:
-    words = ["compare", "--engine", "avatarsim", "tracker", "--filter", "ball_drop", "--jobs", "0"]
-    return parser().parse_args([*words, "--out", str(tmp_path / "out")])
-
-
-def compared(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *studies: Study) -> int:
-    monkeypatch.setattr("reports.write_report", lambda *_: None)
+def compared(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *studies: Study, engines: tuple[str, ...] = ("tracker",)) -> int:
+    without_reports(monkeypatch)
     monkeypatch.setattr(comparison, "STUDIES", studies)
-    return comparison.compare(asked(tmp_path), ["compare"])
+    words = ["compare", "--engine", *engines, "--filter", "ball_drop", "--jobs", "0", "--out", str(tmp_path / "out")]
+    return comparison.compare(parser().parse_args(words), ["compare"])
 
 
 def test_a_study_is_told_of_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -32,15 +28,13 @@ def test_a_study_is_told_of_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         told.append(request)
         return [], []
 
-    assert compared(tmp_path, monkeypatch, Study("first", ask), Study("second", ask)) == 0
+    assert compared(tmp_path, monkeypatch, Study("first", ask), Study("second", ask), engines=("avatarsim", "tracker")) == 0
     assert len(told) == 2
     assert list(told[0].scenarios) == ["ball_drop"] and told[0].folder == (tmp_path / "out" / "latest").resolve()
     assert told[0].presets["avatarsim"] == ("default", "paper") and told[0].workers == 0
 
 
-def test_a_study_that_fails_leaves_the_run_incomplete_and_the_others_asked(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_failing_study_leaves_the_run_incomplete(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     done = []
 
     def fails(request: Request) -> tuple[list[Row], list[str]]:

@@ -34,7 +34,7 @@ def test_what_momentum_lacks_is_relative_to_what_there_was() -> None:
     assert found["angular_momentum_drift_max"] == pytest.approx((first - second) / first)
 
 
-def test_energy_that_comes_or_goes_is_drift_and_only_what_comes_is_gain() -> None:
+def test_energy_drift_is_of_both_signs_and_gain_of_one() -> None:
     lost = conserved(recording((2.0, 0.0), (1.0, 0.0)), expecting(20, elastic=(PAIR,), alone=(PAIR,)), SCENE)
     assert lost == {"energy_drift_max": pytest.approx(0.75), "energy_gain_max": 0.0}
     won = conserved(recording((1.0, 0.0), (2.0, 0.0)), expecting(20, elastic=(PAIR,), alone=(PAIR,)), SCENE)

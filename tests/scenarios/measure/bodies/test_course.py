@@ -32,7 +32,7 @@ def test_the_farthest_from_the_course_is_the_figure() -> None:
     assert found["velocity_error_max"] == 0.0 and found["spin_error_max"] == pytest.approx(0.5)
 
 
-def test_only_the_stated_time_counts_and_a_short_recording_says_so() -> None:
+def test_course_counts_only_in_its_stated_time() -> None:
     course = Course("ball", velocity=steady(1.0, 0.0, 0.0), since=0.2, until=0.3)
     recording = moved((1.0, 0.0, 0.0))
     recording.velocities[:12, BALL] = recording.velocities[19:, BALL] = 9.0
@@ -48,14 +48,14 @@ def test_a_course_through_what_is_no_number_is_no_number() -> None:
     assert np.isnan(course_errors(recording, expecting(30, courses=(course,)), drop_scene())["course_error_max"])
 
 
-def test_drift_is_from_where_it_came_to_rest_and_energy_is_that_of_the_end() -> None:
+def test_drift_is_from_rest_and_energy_is_that_of_the_end() -> None:
     found = at_rest(moved((0.0, 0.3, 0.0)), expecting(30, rests=(Rest(("ball",), 0.1),)), drop_scene())
     assert found["drift_max"] == pytest.approx(0.3 * (30 - 6) * DT)
     # the ball has 2 kg
     assert found["rest_energy_end"] == pytest.approx(0.09)
 
 
-def test_a_stop_is_compared_along_its_way_and_its_angle_beside_it() -> None:
+def test_stop_is_compared_by_distance_and_direction() -> None:
     stop = Stop("ball", 1.0, (1.0, 0.0, 0.0), 0.4)
     found = stops(moved((1.8, 0.018, 0.0)), expecting(30, stops=(stop,)), drop_scene())
     assert found["stop_distance_error_max"] == pytest.approx(10.0)
@@ -90,7 +90,7 @@ def test_towers_stand_up_to_the_first_ratio_that_falls() -> None:
     assert towers(still, drop(30), drop_scene()) == {}
 
 
-def test_a_pile_is_as_high_as_its_bodies_are_on_the_mean_above_their_floor() -> None:
+def test_pile_height_is_the_mean_above_its_floor() -> None:
     pile = Pile(("ball",), "slab", 1.0, 0.2)
     recording = moved((0.0, 0.0, 0.0))
     recording.positions[:, BALL, 2] = recording.positions[0, 0, 2] + 1.25

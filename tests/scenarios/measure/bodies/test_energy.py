@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from avatarsim.scene.scene import Scene
-from runfiles.record import EVENTS, Recording
+from runfiles.record import EVENTS
 from scenarios.measure.bodies.energy import energy, kinetic
 from scenarios.measure.value import Missing
 from tests.scenarios.examples import DT, RADIUS, drop_scene, fist_scene, resting
@@ -18,9 +17,7 @@ G, MASS = 9.81, 2.0
     ("velocities", (0.0, 0.0, 0.0), 0.0), ("velocities", (3.0, 0.0, 0.0), 9.0), ("velocities", (0.0, 0.0, 0.7), 0.0),
     ("angular_velocities", (0.0, 10.0, 0.0), 50.0 * 0.4 * MASS * RADIUS**2),
 ])
-def test_an_injected_gain_of_a_falling_ball_comes_out_in_joules_and_a_loss_is_none(
-    field: str, change: tuple[float, float, float], added: float,
-) -> None:
+def test_injected_energy_gain_comes_out_in_joules(field: str, change: tuple[float, float, float], added: float) -> None:
     recording = resting(drop_scene(), 20)
     recording.positions[:, 1, 2] = 1.0 + RADIUS - 0.5 * G * recording.times**2
     recording.velocities[:, 1, 2] = -G * recording.times
@@ -56,32 +53,17 @@ def test_frames_with_a_driven_link_in_reach_explain_themselves() -> None:
     assert isinstance(value, Missing) and value.fault == "scene"
 
 
-def struck_fist(fist_after: float) -> tuple[Recording, Scene]:
-    """Return a recording of a ball of 2 kg at 3 m/s that meets a fist of 1 kg and stops; the fist then has a given speed."""
-    scene = replace(drop_scene(), avatars=(fist_scene().avatars[0],))
+@pytest.mark.parametrize(("fist_after", "coupled", "added"), [(18.0, None, 153.0), (4.0, None, 0.0), (4.0, 10.0, 71.0)])
+def test_what_a_link_takes_in_an_impact_is_weighed(fist_after: float, coupled: float | None, added: float) -> None:
+    """A ball of 2 kg brings 9 J and stops; the fist of 1 kg, or of its stated coupled mass, leaves with a given speed."""
+    scene = replace(drop_scene(), avatars=(replace(fist_scene().avatars[0], coupled_mass=coupled),))
     recording = resting(scene, 3)
     velocities, states = np.zeros((2, 3, 3)), np.zeros((2, 3, 4))
     velocities[0, 1, 0], velocities[1, 2, 0] = 3.0, fist_after
     states[:, :, 0] = 1.0
-    return replace(
+    struck = replace(
         recording, inside_time=np.full(2, DT), inside_frame=np.ones(2, dtype=np.int64),
         inside_event=np.array([EVENTS.index("approach"), EVENTS.index("impact")]), inside_positions=np.zeros((2, 3, 3)),
         inside_orientations=states, inside_velocities=velocities, inside_angular_velocities=np.zeros((2, 3, 3)),
-    ), scene
-
-
-def test_an_impact_that_throws_a_link_is_seen_although_the_link_is_near() -> None:
-    """The ball brings 9 J; a fist of 1 kg that leaves at 18 m/s has 162 J."""
-    recording, scene = struck_fist(18.0)
-    assert energy(recording, scene)["energy_added_max"] == pytest.approx(153.0)
-
-
-def test_a_link_that_takes_no_more_than_the_body_loses_adds_nothing() -> None:
-    recording, scene = struck_fist(4.0)
-    assert energy(recording, scene)["energy_added_max"] == pytest.approx(0.0, abs=1e-12)
-
-
-def test_a_coupled_mass_that_is_stated_counts() -> None:
-    recording, scene = struck_fist(4.0)
-    heavy = replace(scene, avatars=(replace(scene.avatars[0], coupled_mass=10.0),))
-    assert energy(recording, heavy)["energy_added_max"] == pytest.approx(71.0)
+    )
+    assert energy(struck, scene)["energy_added_max"] == pytest.approx(added, abs=1e-12)

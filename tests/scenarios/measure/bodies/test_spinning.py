@@ -8,7 +8,7 @@ import pytest
 from avatarsim.spatial import rotation
 from runfiles.record import Recording
 from scenarios.building.expected import Flips, Pivot, Top
-from scenarios.measure.bodies.closed_form import crossings, flips, pivots, tops
+from scenarios.measure.bodies.closed_form import flips, pivots, tops
 from scenarios.measure.value import Missing
 from tests.scenarios.examples import drop_scene, expecting, resting
 
@@ -22,18 +22,11 @@ def swinging(late: float = 0.0) -> Recording:
     return recording
 
 
-def test_a_change_of_sign_is_placed_far_better_than_a_frame() -> None:
-    times = np.arange(0.0, 3.0, 1.0 / 60.0)
-    assert crossings(times, np.cos(2.0 * times)) == pytest.approx([np.pi / 4, 3 * np.pi / 4], abs=1e-12)
-
-
-def test_flips_are_compared_one_by_one() -> None:
+def test_flips_are_compared_one_by_one_between_frames() -> None:
     wanted = Flips("ball", 1, (np.pi / 4, 3 * np.pi / 4))
     found = flips(swinging(0.001), expecting(FRAMES, flips=(wanted,)), drop_scene())
     assert found["flip_time_error_max"] == pytest.approx(0.001, abs=1e-9)
-
-
-def test_a_flip_too_few_is_the_engines_fault() -> None:
+    # a flip too few is the engine's fault
     for recording in (resting(drop_scene(), FRAMES), swinging(-0.7)):
         found = flips(recording, expecting(FRAMES, flips=(Flips("ball", 1, (np.pi / 4,)),)), drop_scene())["flip_time_error_max"]
         assert isinstance(found, Missing) and found.fault == "engine"
@@ -70,7 +63,7 @@ def precessing(rate: float, spin: float, lean: float = 0.2) -> Recording:
 
 
 @pytest.mark.parametrize(("rate", "spin"), [(4.3, 200.0), (-3.1, 200.0), (4.0, 188.0), (12.0, 201.5)])
-def test_a_top_is_compared_by_its_own_spin_and_by_how_its_axis_goes_round(rate: float, spin: float) -> None:
+def test_top_is_compared_by_spin_and_precession(rate: float, spin: float) -> None:
     found = tops(precessing(rate, spin), expecting(FRAMES, tops=(Top("ball", 200.0, 4.0),)), drop_scene())
     assert found["axis_spin_error_max"] == pytest.approx(abs(spin - 200.0), abs=1e-9)
     assert found["precession_error_max"] == pytest.approx(abs(rate - 4.0), abs=1e-9)

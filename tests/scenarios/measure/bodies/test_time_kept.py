@@ -53,9 +53,7 @@ def test_ways_gone_too_far_do_not_make_up_for_a_body_that_stalls() -> None:
 
 
 @pytest.mark.parametrize(("row", "stalled"), [(1, 0.0), (3, 25.0), (5, 25.0), (15, 25.0)])
-def test_a_body_that_creeps_in_a_quarter_of_the_frames_lacks_a_quarter_and_stalls_if_it_is_for_three(
-    row: int, stalled: float,
-) -> None:
+def test_creeping_body_lacks_its_share_and_stalls_after_three(row: int, stalled: float) -> None:
     recording = uniform(1.0)
     creeps = np.arange(FRAMES) // row % 4 == 3
     recording.positions[1:, BALL, 0] = np.cumsum(np.where(creeps, 3e-8, DT))
@@ -71,7 +69,7 @@ def test_a_ball_that_bounces_within_frames_keeps_its_time(restitution: float) ->
     assert error < 1e-3 and stalled == 0.0
 
 
-def test_a_frozen_ball_cannot_hide_behind_an_impact_that_turns_one_part_of_its_velocity() -> None:
+def test_frozen_ball_cannot_hide_behind_an_impact() -> None:
     """The velocity along the floor predicts the motion, for any effect of the floor on the normal part."""
     signs = np.where(np.arange(FRAMES + 1) % 2, 1.0, -1.0)
     recording = resting(drop_scene(), FRAMES)
@@ -82,7 +80,7 @@ def test_a_frozen_ball_cannot_hide_behind_an_impact_that_turns_one_part_of_its_v
     assert figures(recording) == (0.0, 0.0)
 
 
-def test_a_centre_of_mass_that_rolls_keeps_its_time_though_the_origin_of_its_body_does_not() -> None:
+def test_rolling_body_off_its_centre_of_mass_keeps_its_time() -> None:
     """The origin differs from the centre of mass, as it may for a hull."""
     scene = drop_scene()
     ball = scene.bodies[BALL]
@@ -98,7 +96,7 @@ def test_a_centre_of_mass_that_rolls_keeps_its_time_though_the_origin_of_its_bod
     assert found["time_kept_error"] == pytest.approx(0.0, abs=1e-12) and found["stalled_bodies"] == 0.0
 
 
-def test_slow_bodies_do_not_count_and_a_number_that_is_none_is_none() -> None:
+def test_slow_bodies_do_not_count_and_nan_stays_nan() -> None:
     slow = resting(drop_scene(), FRAMES)
     slow.velocities[:, BALL, 0] = 0.019
     assert figures(slow) == (0.0, 0.0)

@@ -13,14 +13,14 @@ from scenarios.measure.value import Missing
 from tests.scenarios.examples import fist, fist_scene, walked
 
 
-def test_the_median_is_over_states_in_contact_and_an_overlap_is_no_gap() -> None:
+def test_gap_is_the_median_over_states_in_contact() -> None:
     assert contact_gap(np.array([0.2, 4e-3, -0.03, 2e-4, np.inf])) == {"contact_gap_p50": pytest.approx(2e-4)}
     assert contact_gap(np.array([-0.01, -0.02, 1e-3])) == {"contact_gap_p50": 0.0}
     assert math.isnan(float(contact_gap(np.array([1e-3, np.nan, 2e-3]))["contact_gap_p50"]))  # type: ignore[arg-type]
     assert isinstance(contact_gap(np.array([1.0, np.inf]))["contact_gap_p50"], Missing)
 
 
-def test_only_everyday_scenes_are_asked_and_a_fist_in_the_wall_has_no_gap() -> None:
+def test_only_everyday_scenes_have_a_gap() -> None:
     scene = fist_scene()
     recording = walked(30)
     assert "contact_gap_p50" not in measured(recording, Known(fist(), scene)).values

@@ -38,7 +38,7 @@ def test_an_injected_excess_comes_out(arm: float, swing: float, twist: float, ex
     assert found["joint_gap_max"] == pytest.approx(0.0, abs=1e-15)
 
 
-def test_the_angle_is_taken_from_the_pose_and_not_from_what_the_engine_says() -> None:
+def test_angle_is_taken_from_the_pose_not_the_engines_word() -> None:
     liar = posed(arm=70.0)
     found = limit_excess(replace(liar, angles=np.zeros_like(liar.angles)), SCENE)
     assert found["joint_limit_excess_max"] == pytest.approx(10.0, abs=1e-10)
@@ -51,19 +51,15 @@ def test_a_hinge_bent_off_its_axis_is_an_excess() -> None:
     assert found["joint_limit_excess_max"] == pytest.approx(4.0, abs=1e-9)
 
 
-def test_a_link_torn_off_its_parent_shows_as_a_gap() -> None:
+def test_torn_link_is_a_gap_and_nan_is_no_excess_of_zero() -> None:
     recording = posed()
     recording.positions[1, 2, 1] += 0.007
     assert limit_excess(recording, SCENE)["joint_gap_max"] == pytest.approx(0.007, abs=1e-15)
-
-
-def test_a_pose_that_is_no_number_has_no_excess_of_zero() -> None:
-    recording = posed()
     recording.orientations[1, 1, 0] = np.nan
     assert np.isnan(limit_excess(recording, SCENE)["joint_limit_excess_max"])
 
 
-def test_a_direction_outside_the_square_cone_is_as_far_as_its_face_says() -> None:
+def test_excess_beyond_a_face_of_the_reach_cone() -> None:
     # the cone's faces are planes at 45 degrees to x, so a swing of 50 degrees about z leaves it by 5
     assert limit_excess(posed(swing=50.0), SCENE)["reach_cone_excess_max"] == pytest.approx(5.0, abs=1e-9)
     assert limit_excess(posed(swing=44.0), SCENE)["reach_cone_excess_max"] == 0.0

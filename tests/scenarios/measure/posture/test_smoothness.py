@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 
 from avatarsim.spatial import rotation
 from runfiles.record import Recording
-from runfiles.visible_motion import SHAKES
 from scenarios.measure.known import Known
-from scenarios.measure.posture.smoothness import NEAR, creep, dashes, own_acceleration, smoothness
+from scenarios.measure.posture.smoothness import NEAR, creep, own_acceleration, smoothness
 from scenarios.measure.value import Missing
 from tests.scenarios.examples import DT, arm_scene, drop_scene, fist, fist_scene, resting, walked
 
@@ -37,6 +36,8 @@ def case(seed: int, frames: int = 40) -> tuple[Recording, np.ndarray, np.ndarray
     draw = np.random.default_rng(seed)
     shown, target = walk(seed, frames), walk(seed + 1, frames, 2e-3)
     shown[draw.integers(5, frames) :] += 0.2
+    # in the first part the user hardly moves, where links creep
+    target[: frames // 2] = target[frames // 2] + walk(seed + 2, frames // 2 - 1, 2e-4)
     made = replace(moved(shown, target), statuses={"waiting": (draw.random(frames + 1) < 0.1).astype(np.int64)})
     return made, draw.random(frames + 1) < 0.98, draw.random(frames + 1) < 0.7
 
@@ -100,8 +101,7 @@ def by_loops(recording: Recording, free: np.ndarray, contact: np.ndarray) -> dic
         "chatter_frames": 100.0 * shakes / held, "jitter_rms": max(jitters),
         "reversal_max": max(map(max, taken_back)), "reversal_p95": float(np.percentile(largest, 95.0)),
         "own_acceleration_rms": math.sqrt(sum(squares) / len(squares)), "dash_frames": float(dashes),
-        "creep_mean": sum(creeps) / len(creeps) if creeps else None,
-        "silent_offset_frames": float(silent),
+        "creep_mean": sum(creeps) / len(creeps), "silent_offset_frames": float(silent),
     }
 
 
@@ -109,61 +109,8 @@ def by_loops(recording: Recording, free: np.ndarray, contact: np.ndarray) -> dic
 def test_figures_are_those_of_plain_loops(seed: int) -> None:
     recording, free, contact = case(seed, 90)
     found, wanted = smoothness(recording, arm_scene(), free, contact), by_loops(recording, free, contact)
-    if wanted["creep_mean"] is None:
-        assert isinstance(found.pop("creep_mean"), Missing) and wanted.pop("creep_mean") is None
     assert found == {name: pytest.approx(value, rel=1e-9) for name, value in wanted.items()}
-    assert wanted["chatter_frames"] > 0.0 and wanted["reversal_p95"] > 3e-3
-
-
-@pytest.mark.parametrize("dt", [DT, DT / 1.5])
-@pytest.mark.parametrize("every", [1, 2, 4])
-def test_jitter_of_a_sine_sampled_at_its_turns_is_its_swing(every: int, dt: float) -> None:
-    """A link swings to both sides by a = 0.4 mm, sampled at its extremes: every frame reverts 2 a. If it does so in one of
-    `every` frames and rests in the others, the mean of the squares has that share; a swing of 1 m counts as SHAKES does."""
-    frames = 400
-    size, contact, target = 4e-4, np.ones(frames + 1, dtype=bool), np.zeros((frames + 1, 3, 3))
-    contact[0] = False
-    swings = np.zeros((frames + 1, 3, 3))
-    swings[:, 1, 0] = size * np.cos(np.pi * np.arange(frames + 1))
-    # one spike of 2 a reverts it once: in one of `every` frames
-    spikes = np.zeros((frames + 1, 3, 3))
-    spikes[1 :: 2 * every, 2, 1] = 2.0 * size
-    share = (frames // (2 * every)) / frames if every > 1 else (frames - 1) / frames
-    for shown, wanted in ((swings, 2.0 * size * math.sqrt((frames - 1) / frames)), (spikes, 2.0 * size * math.sqrt(share))):
-        found = smoothness(moved(shown, target, dt), arm_scene(), ~contact, contact)
-        assert found["jitter_rms"] == pytest.approx(wanted, rel=1e-12) and found["chatter_frames"] == 0.0
-    large = smoothness(moved(2500.0 * swings, target, dt), arm_scene(), ~contact, contact)
-    assert large["jitter_rms"] == pytest.approx(SHAKES * dt * math.sqrt((frames - 1) / frames))
-
-
-def test_acceleration_beyond_the_users_is_that_of_a_limb_that_runs_home() -> None:
-    """A link that accelerates at 2 m/s^2 from a resting user, and one that follows its user exactly."""
-    times = DT * np.arange(30)[:, None, None]
-    shown, rests = times**2 * np.array([1.0, 0.0, 0.0]) + 0.01, np.zeros((30, 1, 3))
-    assert own_acceleration(shown, rests, DT) == pytest.approx(2.0, rel=1e-9)
-    assert own_acceleration(shown, shown + 0.1, DT) == 0.0
-    few, followed = own_acceleration(shown[:2], rests[:2], DT), own_acceleration(rests, rests, DT)
-    assert isinstance(few, Missing) and isinstance(followed, Missing) and few.fault == followed.fault == "scene"
-
-
-def test_creep_is_the_speed_of_a_link_whose_user_rests() -> None:
-    """One of two links moves at 0.2 m/s; its user rests, or moves at 0.05 m/s or at 0.3 m/s."""
-    shown, target = np.zeros((40, 2, 3)), np.zeros((40, 2, 3))
-    shown[:, 0, 0] = 0.01 + 0.2 * DT * np.arange(40)
-    assert creep(shown, target, DT) == pytest.approx(0.2, rel=1e-9)
-    target[:, 0, 1] = 0.05 * DT * np.arange(40)
-    assert creep(shown, target, DT) == pytest.approx(0.15, rel=1e-9)
-    target[:, 0, 1] = 0.3 * DT * np.arange(40)
-    assert isinstance(creep(shown, target, DT), Missing)
-
-
-def test_smoothing_the_motion_wins_nothing() -> None:
-    """A low-pass filter of a recorded motion accelerates no more than its user, and no less than one that follows exactly."""
-    target = walk(3, 120)
-    shown = target.copy()
-    for k in range(1, len(shown)):
-        shown[k] = shown[k - 1] + 0.2 * (target[k] - shown[k - 1])
-    assert own_acceleration(shown, target, DT) == pytest.approx(0.0, abs=0.5) and dashes(shown, target, DT) == 0
+    assert all(value > 0.0 for value in wanted.values()) and wanted["reversal_p95"] > 3e-3
 
 
 @settings(max_examples=30, deadline=None)
@@ -198,14 +145,18 @@ def test_what_is_no_number_shakes_is_off_and_spoils_the_rest() -> None:
     assert found["dash_frames"] == 21
 
 
-def test_without_contact_the_figure_is_missing_and_without_avatar_there_is_none() -> None:
+def test_smoothness_needs_contact_and_an_avatar() -> None:
+    """And an avatar that is held off in enough frames, whose user holds it still."""
     recording, free, contact = case(1)
     found = smoothness(recording, arm_scene(), free, np.zeros_like(contact))
     assert all(isinstance(found[name], Missing) for name in ("chatter_frames", "reversal_p95"))
     assert smoothness(resting(drop_scene(), 4), drop_scene(), free, contact) == {}
+    off, still = np.full((30, 1, 3), 0.01), np.zeros((30, 1, 3))
+    for value in (own_acceleration(off[:2], still[:2], DT), own_acceleration(still, still, DT), creep(still, still, DT)):
+        assert isinstance(value, Missing) and value.fault == "scene"
 
 
-def test_contact_is_where_the_target_is_not_free_or_a_shown_link_is_near() -> None:
+def test_contact_is_a_bad_target_or_a_near_link() -> None:
     """The fist's user moves into the wall from frame 20 on; the shown fist stops before it, or is moved to the side."""
     recording, known, link = walked(30), Known(fist(), fist_scene()), 1
     assert known.contact(recording).tolist() == [k >= 20 for k in range(31)]

@@ -10,35 +10,24 @@ from scenarios.measure.posture.stillness import movement, still_frames
 from tests.scenarios.examples import fist_scene, resting, walked
 
 
-def test_nobody_moves_nobody_is_still() -> None:
-    assert still_frames(resting(fist_scene(), 10)) == {"still_frames": 0.0}
-
-
 def test_injected_stillness_comes_out() -> None:
+    """Nobody is still where nobody moves; a nanometre of movement is movement, and no number is none."""
     recording = walked(10)
-    assert still_frames(recording) == {"still_frames": 0.0}
+    assert still_frames(recording) == still_frames(resting(fist_scene(), 10)) == {"still_frames": 0.0}
     recording.positions[4:7] = recording.positions[3]
     assert still_frames(recording) == {"still_frames": 30.0}
-
-
-def test_a_nanometre_of_movement_is_movement() -> None:
-    recording = walked(10)
     recording.positions[:, 1] = np.arange(11)[:, None] * 2e-9
     assert still_frames(recording) == {"still_frames": 0.0}
+    recording.positions[:] = np.nan
+    assert still_frames(recording) == {"still_frames": 100.0}
 
 
-def test_a_user_who_moves_less_than_a_millimetre_asks_for_nothing() -> None:
+def test_user_who_moves_under_a_millimetre_asks_nothing() -> None:
     recording = walked(10)
     frozen = recording.positions[:1].repeat(11, 0)
     assert still_frames(replace(recording, positions=frozen)) == {"still_frames": 100.0}
     slow = replace(recording, positions=frozen, raw_positions=recording.raw_positions * 0.045)
     assert still_frames(slow) == {"still_frames": 0.0}
-
-
-def test_not_a_number_has_not_moved() -> None:
-    recording = walked(10)
-    recording.positions[:] = np.nan
-    assert still_frames(recording) == {"still_frames": 100.0}
 
 
 def test_a_turn_moves_a_point_a_tenth_of_a_metre_away() -> None:

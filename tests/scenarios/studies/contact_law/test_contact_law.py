@@ -52,7 +52,7 @@ def values(law: str, shape: str, rate: int, engine: str, preset: str) -> dict[st
 
 @pytest.mark.parametrize("law", worlds.LAWS)
 @pytest.mark.parametrize("shape", worlds.SHAPES)
-def test_ours_gives_the_coefficient_that_is_stated_whatever_the_shape(law: str, shape: str) -> None:
+def test_ours_gives_the_stated_coefficient_for_every_shape(law: str, shape: str) -> None:
     found = values(law, shape, 60, "avatarsim", "default")
     assert list(map(float, found)) == list(worlds.ASKED[law])
     assert all(value == pytest.approx(float(stated), abs=1e-6) for stated, each in found.items() for value in each)

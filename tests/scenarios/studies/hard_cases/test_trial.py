@@ -53,7 +53,7 @@ def test_a_scene_that_cannot_be_built_is_no_fault_of_an_engine() -> None:
     assert tried(task("avatarsim", "split_invariance", Variation(scale=1e-3)))["state"] == "cannot-say"
 
 
-def test_a_solver_step_is_changed_from_the_preset_s_and_an_engine_without_one_is_not_asked() -> None:
+def test_solver_step_is_changed_from_that_of_the_preset() -> None:
     """With twice MuJoCo's documented step of 2 ms a falling box ends at another place, by far less than its fall."""
     assert tried(task("avatarsim", change=Variation(step=2.0)))["state"] == "cannot-say"
     assert 1e-9 < moved(*(tried(task("mujoco", "tumbling_box", change)) for change in (None, Variation(step=2.0)))) < 0.05
@@ -69,7 +69,7 @@ def request(folder: Path, *names: str, **presets: tuple[str, ...]) -> Request:
     return Request(folder, {name: catalog.get(name) for name in names}, presets, 1)
 
 
-def test_every_engine_that_took_part_is_tried_in_the_cases_of_the_run(tmp_path: Path) -> None:
+def test_every_engine_of_the_run_is_tried_in_its_cases(tmp_path: Path) -> None:
     presets = {"avatarsim": ("default",), "tracker": ("default",), "dies": ("a", "b")}
     tasks = tasks_of(request(tmp_path, "squeeze", "tunnelling", "ball_drop", **presets))
     assert {one.job.scenario for one in tasks} == {"squeeze"}
@@ -77,11 +77,11 @@ def test_every_engine_that_took_part_is_tried_in_the_cases_of_the_run(tmp_path: 
     assert len(tasks) == len({(one.job.run, one.trial) for one in tasks}) == 3 * len(SHORT)
     long = replace(request(tmp_path, "tunnelling", avatarsim=("default",)), checkpoints=tmp_path)
     assert len(tasks_of(long)) == len(trials())
+    # without a case nothing is written
+    assert STUDY.carry_out(request(tmp_path, "ball_drop", avatarsim=("default",))) == ([], []) and not list(tmp_path.iterdir())
 
 
-def test_rows_have_figures_states_and_the_distance_from_the_unchanged_end(
-    tmp_path: Path, site: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_rows_have_figures_states_and_end_distances(tmp_path: Path, site: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(room, "CASES", {"stack_ten": 0.2})
     monkeypatch.setattr(room, "SHORT", ("", "start 1e-05 m", "solver step 2 times"))
     rows, _ = STUDY.carry_out(request(tmp_path, "stack_ten", frozen=("default",), dies=("default",)))
@@ -91,7 +91,3 @@ def test_rows_have_figures_states_and_the_distance_from_the_unchanged_end(
     assert 1e-6 < (found["frozen/default", "start 1e-05 m", "end_distance"].value or 0.0) < 3e-5
     assert found["frozen/default", "solver step 2 times", "run"].status == "cannot-say"
     assert {row.status for row in rows if row.engine == "dies" and not row.change} == {"crashed"}
-
-
-def test_without_a_case_nothing_is_written(tmp_path: Path) -> None:
-    assert STUDY.carry_out(request(tmp_path, "ball_drop", avatarsim=("default",))) == ([], []) and not list(tmp_path.iterdir())

@@ -14,7 +14,7 @@ from tests.scenarios.scene_rules import first_poses
 
 @pytest.mark.parametrize("start", STARTS)
 @pytest.mark.parametrize("name", CASES)
-def test_a_changed_start_is_free_and_changed_by_no_more_than_that(name: str, start: float) -> None:
+def test_changed_start_is_free_and_within_its_change(name: str, start: float) -> None:
     scenario = catalog.get(name)
     plain, scene = scenario.build(), varied(scenario, RENDERED, Variation(start=start, seed=3)).here
     before, after = (np.array([body.position for body in s.bodies]).reshape(-1, 3) for s in (plain, scene))

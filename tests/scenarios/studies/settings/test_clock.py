@@ -24,7 +24,7 @@ def test_an_entry_has_percentiles_or_a_reason() -> None:
     assert none["note"] == "it died" and none["p50"] is None and (none["repeats"], none["frames"]) == (0, 0)
 
 
-def test_frames_at_rest_and_in_motion_have_medians_where_both_are_many() -> None:
+def test_rest_and_motion_have_medians_where_both_are_many() -> None:
     job, still = Job("stop_distance", "mujoco", "tuned"), PHASE_FRAMES
     timed = Timed(np.array([[9000] * (still + 10) + [1000] * still], dtype=np.int64))
     found = time_entry(Clocked(job, timed), 1, [0] * (still + 10) + [1] * still)
@@ -47,13 +47,13 @@ def test_every_group_has_every_engine() -> None:
 
 
 def test_processes_go_on_from_table_to_table() -> None:
-    cells = [Cell("stop_distance", Setting("avatarsim", preset, preset), frames=4) for preset in ("default", "paper")]
+    cells = [Cell("stop_distance", Setting("mujoco", preset, preset), frames=4) for preset in ("default", "tuned")]
     kept: dict[str, dict[str, object]] = {}
     processes: list[dict[str, object]] = []
     with Seats() as seats:
         for _ in range(2):
             times(cells, seats, lambda cell, entry: kept.update({cell.job.preset: dict(entry)}), [REPEATS, REPEATS])
             processes.append({name: seat.child.pid for name, seat in seats.taken.items()})
-    assert processes[0] == processes[1] and set(processes[0]) == {"avatarsim 0", "avatarsim 1"}
-    assert set(kept) == {"default", "paper"} and all(float(str(entry["p50"])) > 0.0 for entry in kept.values())
+    assert processes[0] == processes[1] and set(processes[0]) == {"mujoco 0", "mujoco 1"}
+    assert set(kept) == {"default", "tuned"} and all(float(str(entry["p50"])) > 0.0 for entry in kept.values())
     assert {str(entry["note"]) for entry in kept.values()} == {f"{REPEATS} x 4 frames, 4 warm-up frames"}

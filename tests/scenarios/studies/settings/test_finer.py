@@ -20,7 +20,7 @@ def test_it_takes_as_long_and_passes_through_every_sample() -> None:
         assert fine(4 * k + 3).time == coarse(k).time
 
 
-def test_between_samples_it_is_what_engines_with_steps_of_their_own_are_given() -> None:
+def test_parts_between_samples_are_the_targets_of_engines() -> None:
     whole, cut = catalog.get("mocap_punch_wall"), finer.get("mocap_punch_wall~8")
     scene = whole.build()
     coarse, fine, targets = whole.motion(scene, 0), cut.motion(scene, 0), Targets(scene, clamp=False)
@@ -40,11 +40,8 @@ def test_short_runs_and_scenes_without_avatar() -> None:
 
 
 @pytest.mark.parametrize("name", ["stack_ten", "stack_ten~0", "stack_ten~-2", "stack_ten~1.5", "stack_ten~9999", "stack_ten~"])
-def test_parts_that_make_no_sense(name: str) -> None:
+def test_parts_that_make_no_sense_and_unknown_scenes_are_refused(name: str) -> None:
     with pytest.raises(InvalidInput, match="parts of a frame"):
         finer.get(name)
-
-
-def test_a_scene_that_nobody_has() -> None:
     with pytest.raises(UnknownName):
         finer.get("nowhere~2")

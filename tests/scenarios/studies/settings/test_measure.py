@@ -5,14 +5,10 @@ from scenarios.measure.value import Missing
 from scenarios.studies.settings.measure import entry_of
 
 
-def test_entries_of_outcomes() -> None:
-    job = Job("stop_distance", "mujoco", "tuned")
-    found = entry_of(Outcome(job, "measured", frames=3, values={"a": 1.0, "b": Missing("no occasion", "scene")}))
-    assert found["values"] == {"a": 1.0} and found["missing"] == {"b": "no occasion"} and found["frames"] == 3
-
-
-def test_it_keeps_the_step_the_rest_and_unsupported_features() -> None:
+def test_entries_keep_figures_step_rest_and_unsupported_features() -> None:
     about = {"settings": {"dt": [0.002, "a reason"]}, "unsupported": {"reach cones": "ignored"}}
-    found = entry_of(Outcome(Job("stop_distance", "mujoco", "tuned"), "measured", about=about, resting=(True, False)))
+    values, job = {"a": 1.0, "b": Missing("no occasion", "scene")}, Job("stop_distance", "mujoco", "tuned")
+    found = entry_of(Outcome(job, "measured", frames=3, values=values, about=about, resting=(True, False)))
+    assert found["values"] == {"a": 1.0} and found["missing"] == {"b": "no occasion"} and found["frames"] == 3
     assert (found["step"], found["resting"], found["unsupported"]) == (0.002, [1, 0], {"reach cones": "ignored"})
     assert entry_of(Outcome(Job("stop_distance", "avatarsim", "default"), "measured"))["step"] is None

@@ -46,7 +46,7 @@ SAID = [setting for setting in GRIDS["mujoco"] if settable(setting)]
 
 
 @pytest.mark.parametrize("setting", SAID, ids=lambda setting: setting.run)
-def test_words_of_mujoco_make_the_model_of_the_row_of_the_presets(setting: Setting) -> None:
+def test_words_of_mujoco_make_the_model_of_the_row(setting: Setting) -> None:
     changed = False
     for scene in (scene for scene in SCENES if applicable(setting, catalog.get(scene).as_run(False).build())):
         told, row = model_of(scene, setting.base, {}), model_of(scene, setting.base, setting.options)
@@ -56,7 +56,7 @@ def test_words_of_mujoco_make_the_model_of_the_row_of_the_presets(setting: Setti
     assert changed
 
 
-def test_another_step_in_the_presets_model_is_not_the_model_of_the_row() -> None:
+def test_another_step_changes_more_than_the_timestep() -> None:
     told, row = model_of("stack_ten", "tuned", {}), model_of("stack_ten", "tuned", {"dt": 1 / 480})
     told.opt.timestep = row.opt.timestep
     assert "geom_solref" in all_that_differs(told, row)

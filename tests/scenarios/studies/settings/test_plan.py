@@ -41,14 +41,14 @@ def request(
     )
 
 
-def test_it_takes_every_everyday_scene_and_one_of_each_phenomenon_and_no_other() -> None:
+def test_sweep_takes_everyday_scenes_and_one_per_phenomenon() -> None:
     scenes = catalog.scenarios()
     taken = {name for name, scenario in scenes.items() if phenomena.short_errors_of(name, scenario)}
     everyday = {name for name, scenario in scenes.items() if scenario.everyday}
     assert taken == everyday | set(phenomena.SHORT_SWEEP_SCENES) and len(everyday) == 5 and len(phenomena.SHORT_SWEEP_SCENES) == 6
 
 
-def test_only_engines_and_presets_of_the_run_and_rows_of_the_users_own(tmp_path: Path) -> None:
+def test_cells_are_of_engines_presets_and_rows_of_the_run(tmp_path: Path) -> None:
     ran = request(tmp_path, ("stop_distance", "free_flight"), [outcome("stop_distance", "my_row", base="tuned")])
     cells = plan.cells_of(ran)
     assert {cell.scenario for cell in cells} == {"stop_distance"} and {cell.setting.engine for cell in cells} == {"mujoco"}
@@ -71,7 +71,7 @@ def test_the_cost_of_a_setting_goes_with_its_steps(tmp_path: Path) -> None:
     assert plan.frame_cost(by_name["tuned"], request(tmp_path)) == (plan.UNKNOWN, plan.UNKNOWN)
 
 
-def test_what_does_not_fit_is_left_out_and_a_cheaper_one_after_it_may_fit(tmp_path: Path) -> None:
+def test_settings_beyond_the_budget_are_left_out(tmp_path: Path) -> None:
     ran = request(tmp_path, outcomes=[outcome("stop_distance", name, 0.02) for name in ("default", "tuned")])
     cells = plan.cells_of(ran)
     for budget in (0.0, 3.0, 20.0, 60.0, 1e6):
@@ -109,7 +109,7 @@ def test_what_the_run_measured_is_not_asked_again(tmp_path: Path, fakes: Fakes) 
     assert found == {"default": frame_times(whole)["frame_time_p50"], "tuned": 5.0}
 
 
-def test_a_preset_beside_the_grid_takes_part_where_it_ran_with_the_times_of_the_run(tmp_path: Path, fakes: Fakes) -> None:
+def test_preset_beside_the_grid_takes_part_where_it_ran(tmp_path: Path, fakes: Fakes) -> None:
     known, frames = outcome("stack_ten", "sleeping"), catalog.get("stack_ten").as_run(False).frames
     repeats = phenomena.repeats_of(frames)
     timed = {known.job.stem: Clocked(known.job, Timed(np.full((repeats, frames), 7000, dtype=np.int64)))}
@@ -142,7 +142,7 @@ def test_what_the_estimate_left_of_the_budget_is_spent(tmp_path: Path, fakes: Fa
     assert fakes.time <= ran.budget
 
 
-def test_finer_steps_come_first_where_an_engine_misses_what_ours_reaches(tmp_path: Path) -> None:
+def test_finer_steps_come_first_where_an_engine_misses(tmp_path: Path) -> None:
     presets = {"mujoco": ("default", "tuned"), "avatarsim": ("default",)}
     ran = replace(request(tmp_path, outcomes=[outcome("stop_distance", "tuned")]), presets=presets)
     cells = plan.cells_of(ran)
@@ -188,7 +188,7 @@ def test_the_ladder_is_asked_first_and_the_solver_after_it(tmp_path: Path) -> No
     assert by_engine["mujoco"] - missing == by_engine["pybullet"] and by_engine["pybullet"]
 
 
-def test_what_has_no_words_for_an_error_or_repeats_its_preset_is_not_asked(tmp_path: Path) -> None:
+def test_silent_or_repeated_settings_are_not_asked(tmp_path: Path) -> None:
     silent = replace(outcome("slide_to_roll", "default"), about={"unsupported": {"virtual coupling": "none"}})
     same = replace(outcome("slide_to_roll", "tuned"), about={"settings": {"dt": [1 / 240, ""]}})
     names = [cell.setting.name for cell in plan.cells_of(request(tmp_path, ("slide_to_roll",), [silent, same]))]
