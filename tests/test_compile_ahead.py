@@ -50,7 +50,7 @@ def test_every_part_runs(part: str) -> None:
     assert preset == (part if part in ("ik", "paper") else "default")
 
 
-def test_no_command_compiles_a_kernel_after_all_were_compiled_into_an_empty_folder(tmp_path: Path) -> None:
+def test_no_command_compiles_after_all_was_compiled_ahead(tmp_path: Path) -> None:
     places = {name: str(tmp_path / name) for name in ("HOME", "TMPDIR")}
     (tmp_path / "TMPDIR").mkdir()
     options: dict[str, Any] = {"env": plain_environment(ROOT, **places), "cwd": ROOT.parent, "text": True}
@@ -100,7 +100,7 @@ def test_a_failing_child_is_reported_by_its_code(monkeypatch: pytest.MonkeyPatch
     assert "nobody knows how to compile bad parts" in capfd.readouterr().err
 
 
-def test_what_is_compiled_for_any_processor_whose_code_runs_here_counts(stamp: Path) -> None:
+def test_code_of_any_processor_that_runs_here_counts(stamp: Path) -> None:
     base = stamp.parents[2]
     for cpu in usable():
         for made in (base / name for name in stamp_names(cpu)):
@@ -115,9 +115,7 @@ def test_what_is_compiled_for_any_processor_whose_code_runs_here_counts(stamp: P
     assert stamp_names(compiled_for()._replace(name="another")) not in [stamp_names(cpu) for cpu in usable()]
 
 
-def test_a_folder_to_carry_elsewhere_may_be_read_by_all_and_a_folder_of_the_user_keeps_its_mode(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_carried_folder_is_readable_and_a_users_keeps_its_mode(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def kept(shares: object, stream: object) -> bool:
         entry = tmp_path / "carried" / NAME / "avatarsim.x" / "0" / "x.kernel"
         entry.parent.mkdir(parents=True, mode=0o700)

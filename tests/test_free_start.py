@@ -76,7 +76,7 @@ def test_two_avatars_in_each_other_both_move() -> None:
     assert [moved.distance for moved in record.moved] == pytest.approx([0.1, 0.1], abs=1e-3)
 
 
-def test_an_arm_in_a_wall_bends_and_its_user_stands_where_it_was_put() -> None:
+def test_an_arm_in_a_wall_bends_and_stays() -> None:
     avatar = mixed_avatar()
     start = at(rest((avatar,)), (0.0, 0.0, 0.2))
     low = replace(start, positions=start.positions - (0.0, 0.0, 0.25))
@@ -90,7 +90,7 @@ def test_an_arm_in_a_wall_bends_and_its_user_stands_where_it_was_put() -> None:
     assert np.abs(record.shown.positions - before).max() < 0.02
 
 
-def test_a_loose_body_makes_way_for_an_avatar_and_the_lighter_one_for_the_heavier() -> None:
+def test_loose_bodies_make_way_for_avatars_and_for_heavier_ones() -> None:
     avatar = hand(BALL)
     scene = Scene("s", (cube("box", (0.12, 0.0, 0.0)),), (avatar,), gravity=NOWHERE)
     _, record = load(scene)
@@ -158,7 +158,7 @@ def test_a_slide_and_coupled_hinges_keep_their_limits_and_ratio() -> None:
     assert record.angles[1] == pytest.approx(0.5 * record.angles[0], abs=1e-9) and 0.0 <= record.angles[2] <= 0.1
 
 
-def test_a_hand_that_nothing_frees_is_refused_and_the_engine_stays() -> None:
+def test_a_start_that_nothing_frees_is_refused() -> None:
     stuck = Avatar("a", (Link("root", None, Rigid(), BALL, solid(BALL, 1.0)),))
     engine = loaded(catalog.get("hand_over_table").build())
     before = engine.snapshot()
@@ -181,7 +181,7 @@ def test_put_and_reset_begin_at_the_nearest_free_posture() -> None:
     assert record.shown.positions[1] == pytest.approx((0.01, 0.0, 0.1), abs=1e-3)
 
 
-def test_an_avatar_held_off_its_user_does_not_strike_what_is_loose() -> None:
+def test_an_avatar_held_off_its_user_strikes_nothing_loose() -> None:
     avatar = hand(BALL)
     block = fixed("block", (Piece(Box((1.0, 1.0, 1.0))),), "wood", (0.0, 0.0, 0.0))
     ball = simulated("ball", BALL, "wood", solid(BALL, 0.2), (0.0, 0.0, 0.85))
@@ -194,7 +194,7 @@ def test_an_avatar_held_off_its_user_does_not_strike_what_is_loose() -> None:
 
 
 @pytest.mark.parametrize("name", ["start_inside", "deep_overlap", "coincident_start"])
-def test_the_same_scene_begins_the_same_to_the_bit_and_many_worlds_go_on_alike(name: str) -> None:
+def test_the_same_scene_begins_and_goes_on_the_same(name: str) -> None:
     scenario = catalog.get(name)
     scene = scenario.build()
     motion = scenario.motion(scene, 0)

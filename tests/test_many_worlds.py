@@ -163,7 +163,7 @@ WRONG: dict[str, Callable[[list[AvatarsimEngine]], tuple[object, ...]]] = {
 
 
 @pytest.mark.parametrize("case", list(WRONG))
-def test_arguments_that_do_not_fit_are_refused_and_leave_every_world_as_it_was(case: str) -> None:
+def test_refused_arguments_leave_every_world_as_it_was(case: str) -> None:
     many = hands(2)
     before = [engine.snapshot() for engine in many]
     with pytest.raises(InvalidInput):

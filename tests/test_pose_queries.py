@@ -163,7 +163,7 @@ def test_a_weight_on_a_hand_is_what_its_user_feels() -> None:
     assert engine.felt("palm") == pytest.approx(np.array([[0.0, 0.0, -0.3 * G]]), abs=SAME)
 
 
-def test_a_hand_presses_a_wall_by_its_lag_and_no_harder_than_its_largest_force() -> None:
+def test_a_hand_presses_by_its_lag_up_to_its_largest_force() -> None:
     wall = fixed("wall", (Piece(Box((0.1, 2.0, 2.0))),), "m", (0.2, 0.0, 0.0))
     for drive, pressed in ((None, 1.0), (Drive(largest_force=20.0), 0.0)):
         hand = replace(fist(), drive=drive)
@@ -177,7 +177,7 @@ def test_a_hand_presses_a_wall_by_its_lag_and_no_harder_than_its_largest_force()
         assert engine.felt("fist") == pytest.approx(np.array([[-force, 0.0, 0.0]]), rel=SAME, abs=SAME)
 
 
-def test_two_pads_squeeze_by_their_lag_and_friction_bears_the_weight() -> None:
+def test_two_pads_squeeze_by_their_lag_and_bear_the_weight() -> None:
     pad = (Piece(Box((0.02, 0.05, 0.05))),)
     pads = tuple(rigid_avatar(name, pad, solid(pad, 0.5), "m") for name in ("left", "right"))
     scene = Scene("pinch", (FLOOR, cube(0.3, (0.0, 0.0, 0.0501))), pads, materials=LAW,
@@ -207,7 +207,7 @@ def test_fingers_with_joints_bear_a_mug_together() -> None:
     assert engine.felt("hand").shape == (4, 3)
 
 
-def test_a_lift_that_stands_that_rises_and_that_speeds_up_bears_what_is_on_it() -> None:
+def test_a_lift_bears_its_load_at_rest_rising_and_speeding_up() -> None:
     for force, mass, rise in ((300.0, 2.0, 0.005), (1e4, 50.0, 0.0)):
         lift = moving("lift", (Piece(Box((0.5, 0.5, 0.05))),), "m", position=(0.0, 0.0, 0.3), largest_force=force)
         engine = loaded(Scene("lift", (FLOOR, cube(mass, (0.0, 0.0, 0.376))), (lift,), materials=LAW))

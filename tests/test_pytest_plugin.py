@@ -49,7 +49,7 @@ def test_one_passes_and_one_fails_as_it_should(repository: Path) -> None:
     assert code == 1 and "1 failed, 1 passed" in said and "test_too_much" in said
 
 
-def test_the_gate_on_drift_writes_compares_and_fails_with_a_table(repository: Path) -> None:
+def test_the_gate_on_drift_writes_compares_and_fails(repository: Path) -> None:
     file = repository / "tests" / "box.drift.json"
     code, said = asked(repository, "-k", "drift")
     assert code == 1 and "InvalidFile" in said and not file.exists()

@@ -65,7 +65,7 @@ def state(parts: tuple[object, ...]) -> list[tuple[dict[str, int], dict[int, byt
 
 
 @pytest.mark.parametrize(("name", "preset"), CASES)
-def test_a_frame_run_again_and_again_is_undone_by_what_it_changed_first(name: str, preset: str) -> None:
+def test_a_frame_is_undone_by_what_it_changed_first(name: str, preset: str) -> None:
     """At load, and amid contacts: the same frame changes the same words, whatever ran before."""
     frames = Frames(build(SCENES[name]), preset, Chosen(), 3, record=True, time_stages=True)
     for sample in lively(SCENES[name], 22):

@@ -43,7 +43,7 @@ def test_it_is_an_engine() -> None:
 
 
 @pytest.mark.parametrize("dt", [0.0, -0.1, math.nan, math.inf, 1.5])
-def test_a_frame_time_that_is_none_is_refused_and_leaves_time_as_it_was(dt: float) -> None:
+def test_refuses_an_invalid_frame_time(dt: float) -> None:
     with pytest.raises(InvalidInput, match=f"frame time.* {dt}"):
         AvatarsimEngine().load(SCENE, Settings(), dt)
     engine = loaded()
@@ -104,7 +104,7 @@ def bad_samples(good: TrackerSample) -> list[object]:
 
 
 @pytest.mark.parametrize("scene", [SCENE, hinged_trial().scene])
-def test_a_bad_sample_changes_nothing_and_the_next_good_one_works(scene: Scene) -> None:
+def test_a_bad_sample_changes_nothing(scene: Scene) -> None:
     disturbed, quiet = loaded(scene), loaded(scene)
     x, y, z = scene.first_sample.positions[0]
     for k in range(4):
@@ -221,7 +221,7 @@ def test_events_that_found_no_room_are_counted() -> None:
     assert records[landed].counts["impacts"] >= 200 and lost[landed] == 2 * records[landed].counts["impacts"] - 256
 
 
-def test_the_spring_does_not_run_away_where_nothing_moves_by_itself() -> None:
+def test_the_spring_does_not_run_away_without_dynamics() -> None:
     """Without dynamics nothing returns the energy that a hand pressing on a loose box took."""
     box, hand = (Piece(Box((0.4, 0.4, 0.4))),), (Piece(Sphere(0.05)),)
     loose = simulated("box", box, "wood", solid(box, 5.0), (0.0, 0.0, 0.2))
@@ -281,7 +281,7 @@ def test_a_reset_engine_is_one_that_was_loaded_anew(scene: Scene) -> None:
         assert same(again.advance(scene.first_sample, DT), fresh.advance(scene.first_sample, DT))
 
 
-def test_a_reset_engine_begins_where_it_is_told_to_and_there_the_next_time() -> None:
+def test_a_reset_keeps_its_start_for_the_next_one() -> None:
     again, fresh = loaded(), loaded(replace(SCENE, start=ELSEWHERE))
     again.advance(SCENE.first_sample, DT)
     for shown in (again.reset(ELSEWHERE), again.reset()):

@@ -133,7 +133,7 @@ def run_up(case: Case, engine: AvatarsimEngine) -> tuple[list[FrameRecord], dict
 
 
 @pytest.mark.parametrize("name", list(cases()))
-def test_a_thousand_frames_after_a_snapshot_are_the_same_to_the_bit(name: str) -> None:
+def test_frames_after_a_snapshot_are_the_same_to_the_bit(name: str) -> None:
     """In an engine that has been elsewhere, had another seed, and records."""
     case = cases()[name]
     one, other = case.engine(), case.engine(seed=9, record_inside=True)
@@ -229,7 +229,7 @@ def test_a_snapshot_is_of_one_scene_with_one_set_of_options(taken: tuple[Avatars
     refused(loaded(heap(), "paper"), data, "digest of the settings of the snapshot")
 
 
-def test_where_the_avatar_began_and_what_is_recorded_are_no_part_of_it(taken: tuple[AvatarsimEngine, bytes]) -> None:
+def test_start_and_recording_are_no_part_of_a_snapshot(taken: tuple[AvatarsimEngine, bytes]) -> None:
     hand = heap().avatars
     elsewhere = replace(heap(), start=at(rest(hand), (-1.0, 0.4, 0.3)))
     assert loaded(elsewhere, record_inside=True, time_stages=True, seed=4).restore(taken[1]).shown.time > 0.0
@@ -242,7 +242,7 @@ def resealed(data: bytes, body: bytes, size: int | None = None) -> bytes:
     return whole + hashlib.blake2b(whole, digest_size=DIGEST).digest()
 
 
-def test_arrays_of_another_size_are_refused_before_they_are_unpacked(taken: tuple[AvatarsimEngine, bytes]) -> None:
+def test_arrays_of_another_size_are_refused(taken: tuple[AvatarsimEngine, bytes]) -> None:
     engine, data = taken
     body = zlib.decompress(data[HEAD.size : -DIGEST])
     refused(engine, resealed(data, body + bytes(8)), "size of the snapshot's arrays")

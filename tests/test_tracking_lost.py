@@ -29,7 +29,7 @@ def scene(avatar: object, *loose: object) -> Scene:
 
 
 @pytest.mark.parametrize("avatar", [hand(BALL), mixed_avatar()])
-def test_an_avatar_stays_while_tracking_is_lost_and_comes_back_within_its_budget(avatar: object) -> None:
+def test_an_avatar_stays_while_lost_and_returns_in_its_budget(avatar: object) -> None:
     engine = loaded(scene(avatar))
     for _ in range(5):
         held = engine.advance(user(avatar, 0.0), DT)
@@ -57,7 +57,7 @@ def test_an_avatar_in_contact_stays_in_contact() -> None:
     assert engine.posture().positions[0] == pytest.approx(held, abs=1e-4)
 
 
-def test_a_loose_body_on_the_way_is_not_struck_by_the_jump_of_a_tracker() -> None:
+def test_a_tracker_that_jumps_after_a_loss_strikes_nothing() -> None:
     avatar = hand(BALL)
     ball = simulated("ball", BALL, "wood", solid(BALL, 0.2), (0.6, 0.0, 0.5))
     speeds = []

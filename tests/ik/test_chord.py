@@ -132,7 +132,7 @@ def turned(avatar: Avatar, angle: float) -> TrackerSample:
 
 
 @pytest.mark.parametrize("turn", [0.1, 0.5, 1.5])
-def test_a_rod_that_bulges_into_a_plate_between_its_ends_is_found(turn: float) -> None:
+def test_a_rod_that_bulges_into_a_plate_is_found(turn: float) -> None:
     """Both ends of the way are free by the same gap; only the arc between is not."""
     avatar = arm()
     reach = np.cos(turn) + 0.011
@@ -190,7 +190,7 @@ def test_a_share_of_a_way_is_where_a_motion_has_it() -> None:
         assert np.allclose(one.positions, other.positions, atol=1e-12) and np.allclose(one.angles, other.angles, atol=1e-12)
 
 
-def test_a_ball_turned_by_half_a_circle_is_followed_the_short_way() -> None:
+def test_a_ball_turns_the_short_way() -> None:
     """An arm on a ball sweeps through a post in its way."""
     rod = (Piece(Capsule(0.02, 0.4), (0.0, 0.0, 0.3)),)
     ball = (Piece(Sphere(0.02)),)

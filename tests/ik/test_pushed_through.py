@@ -96,7 +96,7 @@ def test_so_does_any_palm_on_any_table() -> None:
 
 @pytest.mark.parametrize("around", [0, 1, 2])
 @pytest.mark.parametrize("gap", [0.0, 1e-12, 1e-7, 2e-3])
-def test_a_target_on_the_far_side_is_led_to_only_if_that_is_asked_for(gap: float, around: int) -> None:
+def test_leads_to_the_far_side_only_if_asked_for(gap: float, around: int) -> None:
     table = block("table", (0.0, 0.0, 0.0), (0.05, 0.3, 0.3))
     go = ride(Scene("s", (table,), (hand(),), start=at(rest((hand(),)), (-0.3, 0.0, 0.0))), around=around)
     led = sum(go.frame(at(go.scene.first_sample, (0.025 + 0.05 + gap, 0.0, 0.0))).counts["following"] for _ in range(240))

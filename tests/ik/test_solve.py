@@ -82,7 +82,7 @@ class Budgeted:
 @pytest.mark.parametrize("name", SCENES)
 @settings(max_examples=12)
 @given(seed=st.integers(0, 10**6), dt=st.sampled_from((1 / 30, 1 / 60, 1 / 90, 1 / 240)))
-def test_nothing_overlaps_limits_hold_and_each_frame_keeps_its_budget(name: str, seed: int, dt: float) -> None:
+def test_drawn_motion_is_free_within_limits_and_budgets(name: str, seed: int, dt: float) -> None:
     scene = SCENES[name]
     go = ride(scene)
     budgeted = Budgeted(go, scene.first_sample)
@@ -92,7 +92,7 @@ def test_nothing_overlaps_limits_hold_and_each_frame_keeps_its_budget(name: str,
 
 @settings(max_examples=20)
 @given(seed=st.integers(0, 10**6))
-def test_a_free_target_within_limits_is_reached_in_one_frame_however_far(seed: int) -> None:
+def test_a_free_target_is_reached_in_one_frame_however_far(seed: int) -> None:
     scene, rng = free_hinged(), np.random.default_rng(seed)
     go = ride(scene)
     for _ in range(12):
@@ -120,7 +120,7 @@ def test_the_same_motion_gives_the_same_bits(name: str) -> None:
 
 @pytest.mark.parametrize("work", [1, 10, 60])
 @pytest.mark.parametrize("name", SCENES)
-def test_when_the_work_of_a_frame_is_spent_it_says_so_and_what_is_shown_is_free(name: str, work: int) -> None:
+def test_a_frame_out_of_work_says_so_and_is_free(name: str, work: int) -> None:
     scene = SCENES[name]
     go, said = ride(scene, work=work), 0
     for sample in drawn(scene, 3, 30):

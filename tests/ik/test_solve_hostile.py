@@ -75,7 +75,7 @@ def motions(go: Ride, sample: TrackerSample, frames: int) -> np.ndarray:
     return np.array(found)
 
 
-def test_the_constrained_minimum_is_a_fixed_point_though_the_budget_stays_open() -> None:
+def test_the_constrained_minimum_is_a_fixed_point() -> None:
     """With a settle time of eleven days nothing but the minimum itself brings an avatar to rest."""
     moved = motions(*pressed(walled_hinged(), settle_time=1e6), 900)
     assert moved[120] < 1e-4 and moved[400] < 1e-5 and moved[-1] < 1e-7
@@ -124,7 +124,7 @@ def plates(apart: float) -> tuple[Scene, TrackerSample]:
 
 
 @pytest.mark.parametrize("apart", [0.2, 0.1003, 0.1001, 0.10002, 0.100001])
-def test_what_is_squeezed_between_two_plates_comes_free_and_is_never_stuck(apart: float) -> None:
+def test_a_box_squeezed_between_two_plates_comes_free(apart: float) -> None:
     scene, home = plates(apart)
     go, rng = ride(scene), np.random.default_rng(0)
     for k in range(60):
@@ -135,7 +135,7 @@ def test_what_is_squeezed_between_two_plates_comes_free_and_is_never_stuck(apart
     assert go.place("hand") == pytest.approx((0.5, 0.0, 0.0), abs=1e-6)
 
 
-def test_waiting_is_said_once_it_comes_no_nearer_and_no_longer_than_that() -> None:
+def test_waiting_is_said_as_long_as_it_comes_no_nearer() -> None:
     scene, home = plates(0.2)
     go = ride(scene)
     said = ["waiting" in go.frame(at(home, (0.0, 0.0, 0.3))).statuses for _ in range(60)]
@@ -155,7 +155,7 @@ def test_a_palm_whose_target_leaps_out_of_the_room_stays_inside(seed: int, frame
 
 
 @pytest.mark.parametrize("begins", ["loaded", "restored"])
-def test_an_avatar_does_not_leap_into_one_whose_island_is_solved_for_later(begins: str) -> None:
+def test_no_leap_into_an_avatar_whose_island_is_solved_later(begins: str) -> None:
     """Seed 264: in the very first frame the arm of one jumps to where the other, which touches nothing, still is."""
     trial = TRIALS["two"]()
     go = ride(trial.scene, 264)
@@ -191,7 +191,7 @@ def arm() -> Avatar:
 WALL = fixed("wall", (Piece(Box((2.0, 0.1, 2.0))),), "wood", (0.6, 0.35, 0.0))
 
 
-def test_an_arm_that_sweeps_into_a_wall_stops_at_it_slides_and_comes_back() -> None:
+def test_an_arm_that_sweeps_into_a_wall_stops_and_comes_back() -> None:
     go = ride(Scene("s", (WALL,), (arm(),)))
     home = go.scene.first_sample
     for k in range(60):
@@ -206,7 +206,7 @@ def test_an_arm_that_sweeps_into_a_wall_stops_at_it_slides_and_comes_back() -> N
     assert go.error(home) < 1e-9
 
 
-def test_who_is_far_beyond_limits_is_shown_nearer_than_joint_by_joint_and_comes_back() -> None:
+def test_far_beyond_limits_the_whole_posture_is_brought_near() -> None:
     go = ride(Scene("s", (), (hinged_avatar(),)))
     home = go.scene.first_sample
     far = replace(home, angles=home.angles + 2.5)
@@ -304,7 +304,7 @@ def ghost_tip() -> Avatar:
 
 
 @pytest.mark.filterwarnings("default")
-def test_a_link_without_pieces_does_not_glue_the_avatar_to_the_floor() -> None:
+def test_a_link_without_pieces_glues_nothing_to_the_floor() -> None:
     """It slides along the floor below which the tracker is; a weight of 0 or nan would hold it where it landed."""
     floor = fixed("floor", (Piece(Box((4.0, 4.0, 1.0))),), "wood", (0.0, 0.0, -0.65))
     scene = Scene("s", (floor,), (ghost_tip(),))
@@ -353,7 +353,7 @@ def shown(scene: Scene, samples: list[TrackerSample], dt: float = DT) -> Array:
 
 
 @pytest.mark.parametrize("frame", [320, 393, 460])
-def test_before_a_user_who_holds_still_beyond_a_wall_limbs_come_to_rest(frame: int) -> None:
+def test_limbs_at_a_wall_rest_when_the_user_does(frame: int) -> None:
     """Without the curvature of contact forces the arms went on to swing by 20 to 130 mm a frame."""
     scene, samples = drawn_at_a_wall(5)
     places = shown(scene, samples[:frame] + [samples[frame - 1]] * 90)
@@ -365,7 +365,7 @@ def test_before_a_user_who_holds_still_beyond_a_wall_limbs_come_to_rest(frame: i
 
 
 @pytest.mark.parametrize("slower", [1, 4])
-def test_limbs_at_a_wall_do_not_go_to_and_fro_while_the_user_moves(slower: int) -> None:
+def test_limbs_at_a_wall_do_not_shake_while_the_user_moves(slower: int) -> None:
     """Of six seconds, in most of which the user is beyond the wall, they shook in a third."""
     scene, samples = drawn_at_a_wall(5)
     roots = np.array([sample.positions[0] for sample in samples])

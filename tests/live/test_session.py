@@ -161,7 +161,7 @@ def test_a_mug_in_the_house_is_dragged_to_taken_and_lifted() -> None:
     assert Judge(scene).depths(*poses).max() <= JUDGED
 
 
-def test_a_loop_beside_that_dies_is_left_out_and_the_driven_one_ends_all() -> None:
+def test_a_dead_loop_is_left_out_and_the_driven_one_ends_all() -> None:
     with Session([plan(), replace(plan(), name="other")]) as one:
         until(one, 2)
         one.loops["other"]._process.kill()

@@ -113,7 +113,7 @@ def test_hands_that_take_at_random_stay_finite_and_free(seed: int) -> None:
 
 
 @pytest.mark.parametrize(("name", "seed"), [("hand", 5), ("gallery", 1), ("toys", 3)])
-def test_frames_of_random_drives_into_loose_bodies_come_to_an_end(name: str, seed: int) -> None:
+def test_random_drives_into_loose_bodies_come_to_an_end(name: str, seed: int) -> None:
     """No island is joined and left by others until its segments are spent, and a human that is pressed moves on."""
     random, scene = np.random.default_rng(seed), stage(name).scene
     world, driver = World(Plan(OURS, scene, Settings(), 60.0)), Driver(scene)
@@ -154,7 +154,7 @@ def test_a_switch_of_the_method_keeps_what_is_held() -> None:
     assert held and world.engine.attached() == held  # type: ignore[attr-defined]
 
 
-def test_a_human_walks_through_the_door_and_the_lift_raises_its_box() -> None:
+def test_a_human_walks_through_the_door_and_raises_the_lift() -> None:
     scene = stage("house").scene
     world, driver = World(Plan(OURS, scene, Settings(), 60.0)), Driver(scene)
     for frame in range(540):

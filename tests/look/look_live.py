@@ -168,7 +168,7 @@ def test_effects_switch_between_two_frames(running: Running, seen: Browser) -> N
     quiet(seen, running)
 
 
-def test_a_hand_is_dragged_through_table_and_wall_and_never_overlaps(running: Running, seen: Browser, folder: Path) -> None:
+def test_a_hand_dragged_through_table_and_wall_never_overlaps(running: Running, seen: Browser, folder: Path) -> None:
     running.page.post(lambda: (running.session.command(Order.RESET), None)[1])
     running.page.post(running.page.driver.reset)
     running.wait(10)
@@ -309,7 +309,7 @@ def test_the_last_seconds_are_an_offline_page(running: Running, folder: Path) ->
         assert other.errors == [] and [one for one in other.requests if not one.startswith(("file:", "data:", "blob:"))] == []
 
 
-def test_six_seconds_are_recorded_however_slowly_the_browser_draws(running: Running, folder: Path) -> None:
+def test_six_seconds_are_recorded_of_a_slow_browser_too(running: Running, folder: Path) -> None:
     with browser(500, 400) as one:
         one.downloads(folder)
         one.visit(running.page.address)
@@ -344,7 +344,7 @@ def test_all_stages_come_up_light_and_dark(name: str, dark: bool, folder: Path) 
 
 
 @pytest.mark.parametrize("size", [(390, 844), (800, 700), (980, 640), (1400, 900)], ids=lambda size: str(size[0]))
-def test_the_numbers_are_never_covered_and_a_phone_begins_with_a_closed_drawer(running: Running, size: tuple[int, int]) -> None:
+def test_numbers_are_never_covered_and_a_phone_begins_closed(running: Running, size: tuple[int, int]) -> None:
     SCREENSHOTS.mkdir(parents=True, exist_ok=True)
     with browser(*size) as one:
         one.visit(running.page.address)

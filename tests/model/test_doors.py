@@ -38,7 +38,7 @@ def test_a_sample_is_read_as_the_plain_functions_read_it(seed: int) -> None:
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 @pytest.mark.parametrize("which", range(3))
-def test_numbers_that_are_not_finite_are_refused_wherever_they_are(which: int, bad: float) -> None:
+def test_refuses_numbers_that_are_not_finite(which: int, bad: float) -> None:
     whole = sample()
     for place in np.ndindex(whole[which].shape):
         arrays = [array.copy() for array in whole]

@@ -52,7 +52,7 @@ def test_cones_are_cosine_and_sine_and_undo_the_shortest_turn() -> None:
     assert (skel.cone[[0, 2, 3, 4], 6] == -2.0).all() and (skel.untwist[0] == np.eye(3)).all()
 
 
-def test_what_follows_from_a_cone_is_at_right_angles_to_its_centre_and_of_the_ends_of_the_twist() -> None:
+def test_a_cone_has_a_normal_and_sines_of_its_twist() -> None:
     skel = skeleton(Scene("s", avatars=(mixed(),)))
     aside, untwisted = skel.cone[1, 10:13], skel.cone[1, 13:16]
     assert aside @ skel.cone[1, 3:6] == pytest.approx(0.0, abs=1e-15) and aside @ aside == pytest.approx(1.0)

@@ -106,7 +106,7 @@ def to_root(before: list[int], k: int) -> list[int]:
 
 
 @given(st.lists(st.integers(0, 10**6), max_size=40), st.data())
-def test_a_path_leads_from_where_the_avatar_is_to_the_goal_and_alone_is_kept(parents: list[int], data: st.DataObject) -> None:
+def test_a_path_joins_both_trees_and_alone_is_kept(parents: list[int], data: st.DataObject) -> None:
     at, before = grown(parents)
     nodes = st.integers(0, len(before) - 1)
     one = data.draw(nodes.filter(lambda k: to_root(before, k)[-1] == 0))
@@ -126,7 +126,7 @@ def test_a_path_leads_from_where_the_avatar_is_to_the_goal_and_alone_is_kept(par
 
 
 @pytest.mark.parametrize(("name", "value"), [("at", 7), ("begun", 9), ("place", 5), ("cut_to", 5), ("meeting", 7), ("here", 7)])
-def test_a_plan_from_bytes_that_names_what_is_not_there_is_not_sound(name: str, value: int) -> None:
+def test_a_plan_that_names_what_is_not_there_is_not_sound(name: str, value: int) -> None:
     at, _ = grown([0, 1, 2])
     trace_path(0, 0, 2, 3, at.plan)
     assert plan_is_sound(at.plan)

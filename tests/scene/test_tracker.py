@@ -49,7 +49,7 @@ def test_rest_obeys_hinge_limits_and_is_a_valid_sample() -> None:
 
 
 @pytest.mark.parametrize(("turned", "quick"), [(1.0, True), (1.0 + 4e-7, True), (1.0 + 8e-7, False), (1.0 - 8e-7, False)])
-def test_what_the_quick_check_says_nothing_of_the_thorough_one_decides(turned: float, quick: bool) -> None:
+def test_the_thorough_check_decides_where_the_quick_one_cannot(turned: float, quick: bool) -> None:
     sample = random_sample((tree(),), 5)
     sample = replace(sample, rotations=turned * sample.rotations)
     assert _sound(sample, 5, 3) == quick

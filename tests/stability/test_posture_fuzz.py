@@ -23,7 +23,7 @@ def assert_nothing_broke(report: Report) -> None:
 
 
 @pytest.mark.parametrize("name", TRIALS)
-def test_after_ten_thousand_hostile_frames_the_avatar_came_home_again_and_again(name: str) -> None:
+def test_hostile_motion_ends_at_home_again_and_again(name: str) -> None:
     """66 returns per avatar; in those seconds in which it is not home it reports that it waits or is led."""
     report = run(name, seed=1, frames=10_000, judge_every=8)
     assert report.frames == 10_000 and len(report.returns) >= 66

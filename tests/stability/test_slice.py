@@ -30,7 +30,7 @@ def slice_of(number: int) -> list[Trial]:
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_nothing_is_lost_nothing_overlaps_and_nothing_gains_energy(case: str) -> None:
+def test_every_case_of_the_slice_survives(case: str) -> None:
     for trial in slice_of(list(CASES).index(case)):
         found = tried(Task(Job(case, *GATED, trial.change.seed), CASES[case], trial))
         if trial.kind == STEP:

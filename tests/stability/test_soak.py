@@ -57,7 +57,7 @@ def test_the_user_ends_a_period_where_the_next_begins() -> None:
     np.testing.assert_allclose(first.angles, scene().first_sample.angles, atol=1e-9)
 
 
-def test_short_periods_show_no_overlap_and_an_engine_that_hoards_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_short_soak_is_free_and_finds_an_engine_that_hoards(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(soaked, "PERIOD", 8)
     monkeypatch.setattr(soaked, "MOST_DRIFT", np.inf)
     whole = soak(24, samples=2)

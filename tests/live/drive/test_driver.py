@@ -92,7 +92,7 @@ def test_a_root_goes_where_it_is_dragged_no_faster_than_stated() -> None:
     assert fastest(HAND, samples)[0] <= FASTEST * 1.001
 
 
-def test_a_finger_that_is_pulled_out_of_reach_takes_the_hand_along() -> None:
+def test_a_finger_pulled_out_of_reach_takes_the_hand_along() -> None:
     one = driver("hand")
     one.drag("hand/index3", (0.4, 0.3, 1.3))
     ticks(one, 120)
@@ -109,7 +109,7 @@ def test_a_human_that_is_pulled_away_by_a_hand_walks_after_it() -> None:
     assert joints[feet, 0] - joints[0, 0] == pytest.approx(start[feet, 0] - start[0, 0], abs=0.03)
 
 
-def test_a_drag_goes_before_keys_and_keys_before_a_clip_before_a_tracker() -> None:
+def test_precedence_is_drag_keys_clip_tracker() -> None:
     one = driver("gallery")
     one.set_sample(random_sample(BODY, 1))
     one.tick(DT)

@@ -67,7 +67,7 @@ def test_sides_are_told_by_words_and_by_letters(left: tuple[str, ...], right: tu
     assert found.arms == ()
 
 
-def test_fingers_are_no_legs_and_several_hands_are_pulled_at_instead_of_their_fingers() -> None:
+def test_fingers_are_no_legs_and_hands_have_handles() -> None:
     # little and ring finger, whose names mirror each other, below a palm
     digits = [row(f"{name}1", f"{name}2", f"{name}3", z=-0.03, y=0.02 * k) for k, name in enumerate(("lf", "rf", "mf"))]
     tree, found = limbs(*(link for digit in digits for link in digit))

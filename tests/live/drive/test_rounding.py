@@ -21,9 +21,7 @@ def dragged(name: str, handle: str, goal: tuple[float, ...]) -> np.ndarray[tuple
 
 
 @pytest.mark.parametrize(("name", "handle", "goal"), DRAGS)
-def test_a_goal_that_differs_in_its_last_bits_leads_to_the_same_postures(
-    name: str, handle: str, goal: tuple[float, float, float]
-) -> None:
+def test_rounding_of_a_goal_does_not_grow(name: str, handle: str, goal: tuple[float, float, float]) -> None:
     shown, rng = dragged(name, handle, goal), np.random.default_rng(1)
     for size, bound in ((1e-13, 1e-9), (1e-9, 1e-5)):
         moved = np.array(goal) * (1.0 + size * rng.uniform(-1.0, 1.0, 3))

@@ -42,7 +42,7 @@ def test_a_sample_as_json_is_read() -> None:
         assert sample.positions.tolist() == GOOD["positions"] and sample.angles.tolist() == GOOD["angles"]
 
 
-def test_whole_numbers_are_numbers_and_angles_may_be_missing_without_hinges() -> None:
+def test_whole_numbers_are_read_and_angles_may_be_missing() -> None:
     sample = parse('{"positions": [[1, 2, 3]], "rotations": [[1, 0, 0, 0]]}', Shape(("hand",), 0, ("hand",), ("hand",)))
     assert isinstance(sample, TrackerSample)
     assert sample.positions.tolist() == [[1.0, 2.0, 3.0]] and sample.angles.shape == (0,)

@@ -48,7 +48,7 @@ def send(live: Opened, data: bytes) -> None:
 
 
 @pytest.mark.parametrize("reason", GARBAGE, ids=lambda reason: reason.name)
-def test_garbage_by_udp_is_counted_and_answered_and_a_good_sample_arrives(live: Opened, reason: Refusal) -> None:
+def test_garbage_by_udp_is_counted_and_answered(live: Opened, reason: Refusal) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
         end.settimeout(LONG)
         end.sendto(GARBAGE[reason], live.udp)
@@ -70,7 +70,7 @@ def test_garbage_by_websocket_is_counted_and_told(live: Opened, reason: Refusal)
     assert live.ports.refusals.counts == {(reason, Peer.WEBSOCKET): 1}
 
 
-def test_the_first_good_datagram_of_a_source_is_answered_and_no_other(live: Opened) -> None:
+def test_only_the_first_good_datagram_is_answered(live: Opened) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
         end.settimeout(LONG)
         for _ in range(3):

@@ -52,7 +52,7 @@ def page(tmp_path: Path) -> Iterator[Page]:
         one.close()
 
 
-def test_a_hand_in_the_table_has_a_ghost_and_two_numbers_and_the_hint_goes(page: Page) -> None:
+def test_a_hand_in_the_table_has_a_ghost_and_two_numbers(page: Page) -> None:
     ghost, first = page.worlds.drawn["avatarsim"].ghost, page.session.scene.first_sample.positions[0]
     assert soon(lambda: inside(page) == [0.0, 0.0]) and page.hint.visible
     assert not any(body.node.visible for body in ghost.values())
@@ -61,7 +61,7 @@ def test_a_hand_in_the_table_has_a_ghost_and_two_numbers_and_the_hint_goes(page:
     assert inside(page)[1] == 0.0 and not page.hint.visible
 
 
-def test_another_engine_comes_beside_follows_the_same_drag_and_goes(page: Page) -> None:
+def test_another_engine_beside_follows_the_same_drag(page: Page) -> None:
     page.post(lambda: page.compare("other"))
     assert soon(lambda: len(inside(page)) == 3)
     link, first = page.session.scene.names.index("hand/palm"), page.session.scene.first_sample.positions[0]
