@@ -28,7 +28,7 @@ PATIENCE = 60.0
 
 @pytest.fixture(scope="module")
 def session() -> Iterator[Session]:
-    """Yield one session of two loops, for all tests of this file that end nothing."""
+    """Yield one session of two loops; the last test of this file ends them."""
     with Session([plan(), replace(plan(), name="other")]) as one:
         yield one
 
@@ -161,16 +161,14 @@ def test_a_mug_in_the_house_is_dragged_to_taken_and_lifted() -> None:
     assert Judge(scene).depths(*poses).max() <= JUDGED
 
 
-def test_a_dead_loop_is_left_out_and_the_driven_one_ends_all() -> None:
-    with Session([plan(), replace(plan(), name="other")]) as one:
-        until(one, 2)
-        one.loops["other"]._process.kill()
-        end = time.monotonic() + PATIENCE
-        while "other" in one.loops and time.monotonic() < end:
-            one.look()
-            time.sleep(0.01)
-        assert list(one.loops) == ["avatarsim"]
-        until(one, 2)
-        one.first._process.kill()
-        with pytest.raises(LoopDied, match="avatarsim was killed by signal 9"):
-            until(one, 10**6)
+def test_a_dead_loop_is_left_out_and_the_driven_one_ends_all(session: Session) -> None:
+    session.loops["other"]._process.kill()
+    end = time.monotonic() + PATIENCE
+    while "other" in session.loops and time.monotonic() < end:
+        session.look()
+        time.sleep(0.01)
+    assert list(session.loops) == ["avatarsim"]
+    until(session, 2)
+    session.first._process.kill()
+    with pytest.raises(LoopDied, match="avatarsim was killed by signal 9"):
+        until(session, 10**6)

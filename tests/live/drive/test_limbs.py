@@ -21,12 +21,11 @@ MASS = solid(PIECES, 1.0)
 
 def row(*names: str, z: float, y: float) -> list[Link]:
     """Return links attached to a root called "middle", one below the other."""
-    found, parent = [], "middle"
-    for k, name in enumerate(names):
-        anchor = (0.0, y, 0.0 if k == 0 else z)
-        found.append(Link(name, parent, Ball(), PIECES, MASS, anchor=(anchor[0], anchor[1] if k == 0 else 0.0, anchor[2])))
-        parent = name
-    return found
+    parents = zip(names, ("middle", *names[:-1]), strict=True)
+    return [
+        Link(name, parent, Ball(), PIECES, MASS, anchor=(0.0, y, 0.0) if parent == "middle" else (0.0, 0.0, z))
+        for name, parent in parents
+    ]
 
 
 def limbs(*links: Link) -> tuple[Tree, Limbs]:

@@ -6,10 +6,8 @@ import pytest
 from tests.live.drive.stages_driven import driver, ticks
 
 DRAGS = [
-    ("gallery", "human/left_hand", (-0.5, 0.4, 1.2)), ("gallery", "human/left_hand", (3.0, 1.0, 1.2)),
-    ("gallery", "human/right_hand", (-3.5, -0.4, 0.3)), ("gallery", "human/right_wrist", (-2.0, 0.5, 1.0)),
-    ("gallery", "human/head", (-2.2, 0.0, 4.0)), ("gallery", "human/left_foot", (-2.0, 0.3, 0.5)),
-    ("hand", "hand/thumb3", (1.0, 1.0, 0.2)), ("hand", "hand/index3", (0.4, 0.3, 1.3)),
+    ("gallery", "human/left_hand", (3.0, 1.0, 1.2)), ("gallery", "human/right_hand", (-3.5, -0.4, 0.3)),
+    ("gallery", "human/left_foot", (-2.0, 0.3, 0.5)), ("hand", "hand/index3", (0.4, 0.3, 1.3)),
 ]
 
 

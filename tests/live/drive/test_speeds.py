@@ -25,7 +25,7 @@ def test_a_pulse_goes_there_and_back() -> None:
     assert pulse(0.3) == pytest.approx(pulse(0.7))
 
 
-@settings(max_examples=20)
+@settings(max_examples=5)
 @given(st.integers(0, 1000))
 def test_an_offset_begins_at_what_was_shown_and_keeps_its_speeds(seed: int) -> None:
     scene = stage("gallery").scene
