@@ -16,7 +16,7 @@ STEP = "solver step"
 TINY, SHOT = ("squeeze", "size", "0.001"), 0.02
 """In a world of a thousandth of the size a body that is squeezed gets free with this energy [J], which nothing explains: a
 fault that is not understood, bounded here so that it does not grow."""
-DRAWS = 3
+DRAWS = 1
 """Draws of all changes at once per case, others for each case."""
 
 
