@@ -41,7 +41,8 @@ def test_progress_is_silent_at_first_and_then_now_and_then(clock: Clock) -> None
         progress.step(0.0, "0 parts")
         assert stream.getvalue() == ""
         clock.now += 0.1
-        assert progress.due
+        is_due: bool = progress.due
+        assert is_due
         for k in range(50):
             clock.now += 0.5
             progress.step(k / 50, f"{k} parts")

@@ -4,6 +4,7 @@ Truths are closed forms, or the exact motion sampled densely and bisected in ext
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from avatarsim.simulator import AvatarsimEngine
 
 FRAME = 1.0 / 60.0
 SPEEDS = (2.0, 5.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
-PHASES = 20
+PHASES = 8
 RADIUS, THICK = 0.01, 0.01
 CLOSE_ENOUGH = 1e-9
 """Accuracy of contact times [s] that is promised."""
@@ -27,7 +28,7 @@ MOST_FRAMES = 7
 Long = np.longdouble
 
 
-def flier(shape: Shape, x: float, speed: float, **more: object) -> Body:
+def flier(shape: Shape, x: float, speed: float, **more: Any) -> Body:
     """Return a body of 1 kg at (x, 0, 0) that flies towards -x."""
     pieces = (Piece(shape),)
     return simulated("flier", pieces, "m", solid(pieces, 1.0), position=(x, 0.0, 0.0), velocity=(-speed, 0.0, 0.0), **more)
@@ -60,7 +61,7 @@ def first_impact(body: Body, gravity: tuple[float, float, float]) -> tuple[Snaps
 @pytest.mark.parametrize("gravity", [(0.0, 0.0, 0.0), (0.0, 0.0, -9.81), (-9.81, 0.0, 0.0), (9.81, 0.0, 0.0)])
 @pytest.mark.parametrize("speed", SPEEDS)
 def test_a_ball_is_stopped_at_the_exact_time(speed: float, gravity: tuple[float, float, float]) -> None:
-    """(x - r - t/2) / v, or the root of the parabola where gravity acts along the way, in each of twenty phases of the frame."""
+    """(x - r - t/2) / v, or the root of the parabola where gravity acts along the way, in phases all over the frame."""
     for phase in range(PHASES):
         x = RADIUS + 0.5 * THICK + speed * FRAME * (1.0 + phase / PHASES)
         way = Long(x) - Long(RADIUS) - Long(THICK) / 2

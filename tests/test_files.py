@@ -1,6 +1,7 @@
 """Entries of a cache are whole or not there; folders and files that others may have written are never touched."""
 
 import os
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -91,13 +92,13 @@ def give_away(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         os.chown(path, 12345, -1, follow_symlinks=False)
     else:
         other = os.geteuid() + 1
-        monkeypatch.setattr(cache_folder.os, "geteuid", lambda: other)
+        monkeypatch.setattr(os, "geteuid", lambda: other)
 
 
 def test_folders_come_in_the_order_of_the_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for variable, value in (("AVATARSIM_CACHE_DIR", "a"), ("MORE", "b"), ("XDG_CACHE_HOME", "c"), ("HOME", "d")):
         monkeypatch.setenv(variable, str(tmp_path / value))
-    monkeypatch.setattr(cache_folder.tempfile, "tempdir", str(tmp_path / "e"))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "e"))
     found = [tmp_path / place for place in ("a/n", "b/n", "c/n", "d/.cache/n", f"e/n-{os.geteuid()}")]
     assert bases("n", "MORE") == found
     monkeypatch.setenv("MORE", "")
@@ -111,7 +112,7 @@ def test_a_machine_without_home_or_temporary_folder_has_none(monkeypatch: pytest
     for variable in ("AVATARSIM_CACHE_DIR", "XDG_CACHE_HOME"):
         monkeypatch.delenv(variable, raising=False)
     monkeypatch.setenv("HOME", "nowhere")
-    monkeypatch.setattr(cache_folder.tempfile, "gettempdir", none)
+    monkeypatch.setattr(tempfile, "gettempdir", none)
     assert bases("n") == []
 
 
@@ -161,7 +162,7 @@ def test_the_administrators_files_are_trusted_by_their_mode(tmp_path: Path, monk
     path.chmod(0o644)
     require_trusted(path.stat(), path)
     monkeypatch.setattr(cache_folder, "ADMINISTRATOR", path.stat().st_uid)
-    monkeypatch.setattr(cache_folder.os, "geteuid", lambda: 12345)
+    monkeypatch.setattr(os, "geteuid", lambda: 12345)
     require_trusted(path.stat(), path)
     path.chmod(0o664)
     with pytest.raises(Distrusted, match="mode 0664"):

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import cycle, islice
+from typing import Any
 
 import numpy as np
 import pytest
@@ -131,7 +132,8 @@ def test_a_world_that_fails_does_not_keep_the_others(threads: int) -> None:
     asked: list[TrackerSample] = [HOME, BAD, HOME, HOME, rest(()), HOME]
     with many[5]._alone(), pytest.raises(WorldsFailed) as found:
         advance_many(many, asked, DT, threads)
-    errors, records = found.value.errors, found.value.records
+    errors: dict[int, Exception] = dict(found.value.errors)
+    records: Any = found.value.records
     assert list(errors) == [1, 3, 4, 5] and [record is None for record in records] == [k in errors for k in range(6)]
     assert isinstance(errors[1], InvalidSample) and isinstance(errors[4], InvalidSample) and isinstance(errors[5], EngineInUse)
     assert records[2].shown.time == pytest.approx(DT)
@@ -141,7 +143,7 @@ def test_a_world_that_fails_does_not_keep_the_others(threads: int) -> None:
     assert advance_many([many[0], many[2]], [HOME, HOME], DT, threads)[0].shown.time == pytest.approx(2.0 * DT)
 
 
-WRONG: dict[str, Callable[[list[AvatarsimEngine]], tuple[object, ...]]] = {
+WRONG: dict[str, Callable[[list[AvatarsimEngine]], tuple[Any, ...]]] = {
     "engines are none": lambda many: (None, [HOME] * 2, DT, None),
     "engines as keys": lambda many: (dict.fromkeys(many), [HOME] * 2, DT, None),
     "an engine is none": lambda many: ([*many, None], [HOME] * 3, DT, None),
@@ -173,6 +175,6 @@ def test_refused_arguments_leave_every_world_as_it_was(case: str) -> None:
 
 def test_a_sample_that_is_none_fails_its_world_alone() -> None:
     with pytest.raises(WorldsFailed) as found:
-        advance_many(hands(2), [HOME, "sample"], DT)
+        advance_many(hands(2), [HOME, "sample"], DT)  # type: ignore[list-item]
     assert [type(error) for error in found.value.errors.values()] == [InvalidSample]
     assert issubclass(WorldsFailed, AvatarsimError)

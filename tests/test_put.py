@@ -1,6 +1,7 @@
 """Postures in and out of an engine, at a start and between frames: invalid ones are refused and change nothing."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError, InvalidInput, InvalidSample, InvalidScene, StartOverlaps, UnknownName
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated, solid
-from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, SwingTwist
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, SwingTwist
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
@@ -103,7 +104,7 @@ def test_what_cannot_be_shown_is_refused_and_changes_nothing(sample: TrackerSamp
 
 
 @pytest.mark.parametrize("user", [0, False, "", [], (), {}, np.zeros(0), float("nan"), rest(())])
-def test_a_user_that_is_no_sample_is_refused_also_if_false(user: object) -> None:
+def test_a_user_that_is_no_sample_is_refused_also_if_false(user: Any) -> None:
     engine, _ = above_a_floor()
     before = engine.snapshot()
     with pytest.raises(InvalidSample):
@@ -181,18 +182,16 @@ def test_pairs_that_are_left_out_may_overlap_at_the_start() -> None:
     assert engine.advance(rest((hand(),)), DT).shown.positions.shape == (2, 3)
 
 
-def test_a_start_beyond_a_hinge_limit_is_refused_by_name() -> None:
-    limb = Link("limb", "root", Hinges((Hinge((1.0, 0.0, 0.0), 0.2, 1.0),)), BALL, solid(BALL, 1.0), anchor=(0.0, 0.0, 0.5))
+@pytest.mark.parametrize(("joint", "changed", "says"), [
+    (Hinges((Hinge((1.0, 0.0, 0.0), 0.2, 1.0),)), {"angles": np.array([1.5])},
+     r"start angle of a hinge of limb \[rad\] is 1.5; valid: 0.2 to 1"),
+    (Ball(SwingTwist((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), 0.5, (-0.5, 0.5))),
+     {"rotations": np.array([[1.0, 0.0, 0.0, 0.0], [np.cos(0.4), np.sin(0.4), 0.0, 0.0]])},
+     "start rotation of limb beyond its swing and twist limits .* is 0.3"),
+])
+def test_a_start_beyond_a_limit_is_refused_by_name(joint: Joint, changed: dict[str, np.ndarray], says: str) -> None:
+    limb = Link("limb", "root", joint, BALL, solid(BALL, 1.0), anchor=(0.0, 0.0, 0.5))
     avatar = Avatar("a", (Link("root", None, Free(), BALL, solid(BALL, 1.0)), limb))
-    start = replace(rest((avatar,)), angles=np.array([1.5]))
-    with pytest.raises(InvalidScene, match=r"start angle of a hinge of limb \[rad\] is 1.5; valid: 0.2 to 1"):
-        AvatarsimEngine().load(Scene("s", avatars=(avatar,), start=start), Settings(), DT)
-
-
-def test_a_start_beyond_a_swing_limit_is_refused_by_name() -> None:
-    limits = SwingTwist((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), 0.5, (-0.5, 0.5))
-    limb = Link("limb", "root", Ball(limits), BALL, solid(BALL, 1.0), anchor=(0.0, 0.0, 0.5))
-    avatar = Avatar("a", (Link("root", None, Free(), BALL, solid(BALL, 1.0)), limb))
-    turned = np.array([[1.0, 0.0, 0.0, 0.0], [np.cos(0.4), np.sin(0.4), 0.0, 0.0]])
-    with pytest.raises(InvalidScene, match="start rotation of limb beyond its swing and twist limits .* is 0.3"):
-        AvatarsimEngine().load(Scene("s", avatars=(avatar,), start=replace(rest((avatar,)), rotations=turned)), Settings(), DT)
+    start: Any = replace(rest((avatar,)), **changed)  # type: ignore[arg-type]
+    with pytest.raises(InvalidScene, match=says):
+        loaded(Scene("s", avatars=(avatar,), start=start))

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -52,7 +53,7 @@ def leaves(value: object, seen: dict[int, bytes]) -> dict[int, bytes]:
     return seen
 
 
-def state(parts: tuple[object, ...]) -> list[tuple[dict[str, int], dict[int, bytes], dict[str, object]]]:
+def state(parts: tuple[Any, ...]) -> list[Any]:
     """Return for every part which object each attribute is, the bits of its arrays, its plain numbers."""
     found = []
     for part in parts:

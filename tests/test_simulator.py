@@ -5,11 +5,12 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from threading import Thread
+from typing import Any
 
 import numpy as np
 import pytest
 
-from avatarsim.engine import Engine, FrameRecord, Settings
+from avatarsim.engine import FrameRecord, Settings
 from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSample, StartOverlaps, UnknownName
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated, solid
@@ -26,7 +27,7 @@ SCENE = hand_scene((-0.5, 0.0, 0.0), panel())
 DROP = Scene("drop", (simulated("ball", BALL, "wood", solid(BALL, 1.0), (0.0, 0.0, 2.0)),))
 
 
-def loaded(scene: Scene = SCENE, **options: object) -> AvatarsimEngine:
+def loaded(scene: Scene = SCENE, **options: Any) -> AvatarsimEngine:
     """Return an engine that has loaded a scene."""
     engine = AvatarsimEngine()
     engine.load(scene, Settings(options=options), DT)
@@ -36,10 +37,6 @@ def loaded(scene: Scene = SCENE, **options: object) -> AvatarsimEngine:
 def same(a: FrameRecord, b: FrameRecord) -> bool:
     """Return whether two records show the same bits."""
     return a.state_hash() == b.state_hash()
-
-
-def test_it_is_an_engine() -> None:
-    assert isinstance(AvatarsimEngine(), Engine) and AvatarsimEngine().presets[0] == "default"
 
 
 @pytest.mark.parametrize("dt", [0.0, -0.1, math.nan, math.inf, 1.5])
@@ -85,13 +82,13 @@ def test_a_load_that_fails_leaves_the_loaded_scene_running() -> None:
     assert engine.advance(SCENE.first_sample, DT).shown.positions.shape == (2, 3)
 
 
-def bad_samples(good: TrackerSample) -> list[object]:
+def bad_samples(good: TrackerSample) -> list[Any]:
     """Return one of every kind of bad sample: numbers that are none, wrong shapes, and other types."""
     lost, wrong, places = good.positions.copy(), good.rotations.copy(), good.positions
     lost[0, 1], wrong[0] = math.nan, (2.0, 0.0, 0.0, 0.0)
     crooked = good.angles.copy()
     crooked[-1:] = math.inf
-    fields: list[tuple[str, object]] = [
+    fields: list[tuple[str, Any]] = [
         *(("positions", one) for one in (
             lost, np.zeros((99, 3)), "abc", None, places * (1.0 + 0.5j), places.astype(str), places != 0.0,
             np.ma.masked_array(places, mask=True),
@@ -133,7 +130,7 @@ def test_stages_are_timed_only_on_request() -> None:
     engine = AvatarsimEngine()
     engine.load(SCENE, Settings(time_stages=True), DT)
     spent = engine.advance(SCENE.first_sample, DT).stage_ns
-    assert spent.pop("posture") > 0 and set(spent.values()) == {0}, "what is not called for takes no time"
+    assert {name for name, ns in spent.items() if ns} == {"posture"}, "what is not called for takes no time"
     assert loaded().advance(SCENE.first_sample, DT).stage_ns == {}
 
 
@@ -141,22 +138,14 @@ def test_unsupported_features_are_reported() -> None:
     assert "avatar dynamics" in AvatarsimEngine().unsupported(SCENE)
     assert AvatarsimEngine().unsupported(DROP) == {}
     with pytest.raises(InvalidInput):
-        AvatarsimEngine().unsupported(None)
+        AvatarsimEngine().unsupported(None)  # type: ignore[arg-type]
 
 
 def test_lists_and_single_precision_are_taken_as_samples() -> None:
     engine, exact = loaded(), loaded()
     good = at(SCENE.first_sample, (-0.25, 0.5, 0.125))
-    loose = TrackerSample(0.0, good.positions.tolist(), good.rotations.astype(np.float32), [])
+    loose = TrackerSample(0.0, good.positions.tolist(), good.rotations.astype(np.float32), [])  # type: ignore[arg-type]
     assert same(engine.advance(loose, DT), exact.advance(good, DT))
-
-
-def test_bodies_that_stand_still_are_shown_where_they_were_put() -> None:
-    engine = loaded()
-    for _ in range(5):
-        record = engine.advance(at(SCENE.first_sample, (0.5, 0.2, 0.1)), DT)
-    assert record.shown.positions[0].tolist() == [0.0, 0.0, 0.0] and record.shown.orientations[0].tolist() == [1.0, 0.0, 0.0, 0.0]
-    assert not record.shown.velocities[0].any()
 
 
 def test_records_are_copies_and_not_windows() -> None:
@@ -294,7 +283,7 @@ def test_a_reset_keeps_its_start_for_the_next_one() -> None:
     (at(SCENE.first_sample, (0.0, 0.0, 0.0)), StartOverlaps), (at(SCENE.first_sample, (math.nan, 0.0, 0.0)), InvalidSample),
     ("home", InvalidSample),
 ])
-def test_a_reset_that_fails_leaves_the_engine_as_it_is(start: object, error: type[AvatarsimError]) -> None:
+def test_a_reset_that_fails_leaves_the_engine_as_it_is(start: Any, error: type[AvatarsimError]) -> None:
     engine = AvatarsimEngine()
     engine.load(SCENE, Settings(start="exact"), DT)
     engine.advance(ELSEWHERE, DT)
@@ -304,11 +293,14 @@ def test_a_reset_that_fails_leaves_the_engine_as_it_is(start: object, error: typ
     assert engine.snapshot() == before
 
 
-@pytest.mark.parametrize("scene", [None, "ball_drop", {}, SCENE.bodies[0], Scene])
-def test_what_is_loaded_is_a_scene(scene: object) -> None:
+@pytest.mark.parametrize(("scene", "settings"), [
+    (None, Settings()), ("ball_drop", Settings()), ({}, Settings()), (SCENE.bodies[0], Settings()), (Scene, Settings()),
+    (SCENE, None), (SCENE, {}), (SCENE, {"preset": "default"}), (SCENE, "default"),
+])
+def test_what_is_loaded_is_a_scene_with_settings(scene: Any, settings: Any) -> None:
     engine = loaded()
     with pytest.raises(InvalidInput):
-        engine.load(scene, Settings(), DT)
+        engine.load(scene, settings, DT)
     assert engine.advance(SCENE.first_sample, DT).shown.time == pytest.approx(DT)
 
 
@@ -320,7 +312,7 @@ class Meanwhile(TrackerSample):
         object.__setattr__(self, "call", call)
         object.__setattr__(self, "errors", [])
 
-    def __getattribute__(self, name: str) -> object:
+    def __getattribute__(self, name: str) -> Any:
         if name == "positions" and hasattr(self, "errors"):
             thread = Thread(target=self.attempt)
             thread.start()
@@ -361,14 +353,6 @@ def test_one_thread_after_the_other_is_welcome() -> None:
     assert len(records) == 3 and records[-1].shown.time == pytest.approx(3 * DT)
 
 
-def test_an_error_in_a_frame_leaves_the_engine_free_for_the_next() -> None:
-    engine = loaded()
-    for bad in ("lost", replace(ELSEWHERE, angles=np.zeros(9)), replace(ELSEWHERE, positions=ELSEWHERE.positions * (1.0 + 0j))):
-        with pytest.raises(InvalidSample):
-            engine.advance(bad, DT)
-    assert engine.advance(ELSEWHERE, DT).shown.time == pytest.approx(DT)
-
-
 @pytest.mark.parametrize(("settings", "unknown", "known"), [
     (Settings(preset="turbo"), "turbo", "default"), (Settings(options={"stand_of": 1e-4}), "stand_of", "stand_off"),
 ])
@@ -379,7 +363,7 @@ def test_unknown_names_are_refused_and_the_known_ones_listed(settings: Settings,
 
 @pytest.mark.parametrize("value", [-1.0, 0.0, math.nan, math.inf, "fast", None, True])
 @pytest.mark.parametrize("name", ["stand_off", "steps", "spring"])
-def test_options_are_finite_numbers(name: str, value: object) -> None:
+def test_options_are_finite_numbers(name: str, value: Any) -> None:
     with pytest.raises(InvalidInput, match=f"option {name} "):
         loaded(**{name: value})
 
@@ -422,8 +406,9 @@ def test_a_hand_pushes_what_is_loose_whatever_air_it_keeps(stand_off: float) -> 
 @pytest.mark.parametrize(("field", "value"), [
     ("preset", None), ("preset", 3), ("options", None), ("options", [1]), ("options", {1: 2}), ("options", "steps"),
     ("seed", "a"), ("seed", 1.5), ("seed", True), ("seed", None), ("record_inside", 1), ("time_stages", "yes"),
+    ("start", "somewhere"),
 ])
-def test_settings_of_another_type_are_refused(field: str, value: object) -> None:
+def test_settings_of_another_type_are_refused(field: str, value: Any) -> None:
     with pytest.raises(InvalidInput, match=field):
         Settings(**{field: value})
 
@@ -431,12 +416,6 @@ def test_settings_of_another_type_are_refused(field: str, value: object) -> None
 def test_a_seed_and_flags_of_numpy_are_the_numbers_that_they_are() -> None:
     plain, narrow = AvatarsimEngine(), AvatarsimEngine()
     plain.load(SCENE, Settings("paper", seed=5), DT)
-    settings = Settings("paper", seed=np.int8(5), record_inside=np.bool_(False))
+    settings = Settings("paper", seed=np.int8(5), record_inside=np.bool_(False))  # type: ignore[arg-type]
     narrow.load(SCENE, settings, DT)
     assert type(settings.seed) is int and plain.snapshot() == narrow.snapshot()
-
-
-@pytest.mark.parametrize("settings", [None, {}, {"preset": "default"}, "default"])
-def test_a_scene_is_loaded_with_settings(settings: object) -> None:
-    with pytest.raises(InvalidInput):
-        AvatarsimEngine().load(SCENE, settings, DT)

@@ -1,6 +1,7 @@
 """The certificate of a step: it refuses a motion through a body, not one that slides or turns along; a nan never passes."""
 
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -33,7 +34,7 @@ HANDS = {
 }
 
 
-def failures(found: Solver, step: object) -> int:
+def failures(found: Solver, step: Any) -> int:
     """Return the number of failures of the step (nd) from the world's posture."""
     geo, skel, posture, poses = found.world.geometry, found.world.skeleton, found.world.posture, found.world.poses
     notice_bodies(geo, skel, poses, ANY, found.working)

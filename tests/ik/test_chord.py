@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from avatarsim.cleaning.chords import Chords
-from avatarsim.cleaning.track import between
 from avatarsim.ik.chord import DEPTH, common_ancestors
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, fixed, solid
@@ -16,7 +15,7 @@ from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Sphere, ellipsoid_hull
-from avatarsim.scene.tracker import TrackerSample, link_poses, rest
+from avatarsim.scene.tracker import TrackerSample, between, link_poses, rest
 from avatarsim.spatial import rotation
 from tests.worlds.little_worlds import X, Y, at, hand, sliding_avatar
 
@@ -58,6 +57,7 @@ def scene_with(avatar: Avatar, bodies: tuple[Body, ...]) -> Scene:
     return Scene("ways", bodies, (avatar,), start=at(rest((avatar,)), (0.0, 0.0, 9.0)))
 
 
+@settings(max_examples=25)
 @given(st.integers(0, 10**6), st.sampled_from((0.02, 0.1, 0.4)))
 def test_what_is_proved_is_free_at_a_thousand_places(seed: int, size: float) -> None:
     rng = np.random.default_rng(seed)
@@ -104,6 +104,7 @@ def test_the_bound_of_one_hinge_is_reached(turn: float) -> None:
     assert chords.parts.bend.max() == pytest.approx(1.0 * (2.0 * turn) ** 2)
 
 
+@settings(max_examples=30)
 @given(st.integers(0, 10**6))
 def test_a_gap_that_is_asked_for_is_kept(seed: int) -> None:
     rng = np.random.default_rng(seed)

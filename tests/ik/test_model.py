@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from avatarsim.ik.kinematics import parts_of, tangent_error, try_step
 from avatarsim.ik.objective import LOSS_RADIUS, model, value_of
-from avatarsim.model.skeleton import BALL, FREE, SLIDE
+from avatarsim.model.skeleton import BALL, FREE, SLIDE, Posture
 from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
 from tests.ik.solvers import TREES, Solver, apart, copied, metric_of, point_rates, random_posture, solver_of
@@ -32,7 +32,7 @@ def tried(found: Solver, step: np.ndarray) -> np.ndarray:
     return found.working.trial.vertices.copy()
 
 
-def differences(found: Solver, start: object, end: object) -> np.ndarray:
+def differences(found: Solver, start: Posture, end: Posture) -> np.ndarray:
     """Return the tangent error of all avatars."""
     error = np.full(len(found.avatars.joint_of), np.nan)
     for avatar in range(found.count):

@@ -66,7 +66,7 @@ def test_what_is_within_the_budget_is_taken_whole(seed: int) -> None:
     step = rng.normal(size=ND)
     found, kept = opened(0.0, step, step), step.copy()
     for avatar in range(found.count):
-        keep_budget(found.world.skeleton, found.avatars, avatar, found.state.budget, 0.0, kept)
+        keep_budget(found.world.skeleton, found.avatars, avatar, found.state.budget, False, kept)
     assert (kept == step).all()
 
 

@@ -5,6 +5,7 @@ Longer by hand: python -m tests.ik.test_pushed_through --pushes 2000.
 
 import argparse
 import sys
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -32,7 +33,7 @@ PATIENCE = 2 + int(SETTINGS.stall_time / DT)
 """Frames after which a waiting avatar must report it."""
 
 TABLES = {"thin": (1.0, 1.0, 0.05), "small": (0.4, 0.3, 0.02), "thick": (2.0, 1.2, 0.1)}
-SHAPES = {
+SHAPES: dict[str, Callable[[float], Shape]] = {
     "sphere": lambda size: Sphere(size),
     "box": lambda size: Box((6.0 * size, 5.0 * size, 2.0 * size)),
     "hull": lambda size: ellipsoid_hull((3.3 * size, 2.7 * size, size)),

@@ -88,7 +88,8 @@ def test_a_moving_target_frees_those_that_touch_its_avatar() -> None:
     gone.root[0, 0] += 0.01
     assert met(found, gone)[first] == pytest.approx([whole, 0.0, 0.0])
     geo, skel = found.world.geometry, found.world.skeleton
-    touch(*(int(geo.first_shape[skel.first + link]) for link in first[:2]), found.state.touching)
+    one, other = (int(geo.first_shape[skel.first + link]) for link in first[:2])
+    touch(one, other, found.state.touching)
     gone.root[0, 0] += 0.01
     assert met(found, gone)[first] == pytest.approx([whole, whole, 0.0])
     found.state.touching.used[0] = 0

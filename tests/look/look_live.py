@@ -7,13 +7,15 @@ Not part of `make test`, which needs no browser: `make look` runs it, and leaves
 import threading
 import time
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from avatarsim.engine import FrameRecord, Settings
+from avatarsim.engine import Settings, Snapshot
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.drive.keys import KEYS
 from avatarsim.live.messages import Order, Plan, State
@@ -192,15 +194,11 @@ def test_a_hand_dragged_through_table_and_wall_never_overlaps(running: Running, 
     seen.until("document.body.innerText.includes('Saved as')")
     (path,) = set(folder.glob("*.live")) - set(saved)
     found = read(path)
-    shown = list[tuple[np.ndarray, np.ndarray]]()
-
-    def kept(frame: int, record: FrameRecord) -> None:
-        shown.append((record.shown.positions, record.shown.orientations))
-
-    done = replay(found, kept)
-    assert done.difference is None and done.frames == len(shown) > 60
-    depths = Judge(found.plan.scene).depths(*(np.array(poses) for poses in zip(*shown, strict=True)))
-    assert depths.max() <= 1e-6
+    states = list[Snapshot]()
+    done = replay(found, lambda frame, record: states.append(record.shown))
+    assert done.difference is None and done.frames == len(states) > 60
+    places, turns = (np.array([getattr(one, name) for one in states]) for name in ("positions", "orientations"))
+    assert Judge(found.plan.scene).deepest(places, turns) <= 1e-6
     quiet(seen, running)
 
 
@@ -320,11 +318,12 @@ def test_six_seconds_are_recorded_of_a_slow_browser_too(running: Running, folder
         while not (made := list(folder.glob("*.gif"))) and time.monotonic() < end:
             # equal pictures are one in a file, so the hand keeps moving
             place = 0.1 * np.cos(time.monotonic()), 0.0, 0.9
-            running.page.post(lambda place=place: running.page.driver.drag("hand/palm", place))
+            running.page.post(partial(running.page.driver.drag, "hand/palm", place))
             time.sleep(0.2)
         [path] = made
         time.sleep(1.0)
-    with Image.open(path) as film:
+    picture: Any = Image.open(path)
+    with picture as film:
         assert film.n_frames >= 2 and film.size == share.PICTURE[::-1]
 
 

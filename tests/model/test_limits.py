@@ -1,5 +1,7 @@
 """Swing and twist against scipy; the projection onto limits is idempotent, inside, and the nearest by dense sampling."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -40,7 +42,7 @@ KINDS = {
 
 
 def skel_of(
-    limits: SwingTwist | None, cone: ReachCone | None = None, orientation: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0)
+    limits: SwingTwist | None, cone: ReachCone | None = None, orientation: Any = (1.0, 0.0, 0.0, 0.0)
 ) -> Skeleton:
     """Return a root and a ball with these limits."""
     mass = solid(piece(), 1.0)
@@ -51,7 +53,7 @@ def skel_of(
 SKELETONS = {name: skel_of(limits) for name, limits in KINDS.items()}
 
 
-def tuples(turn: Rotation) -> tuple:
+def tuples(turn: Rotation) -> Any:
     """Return columns of a rotation."""
     return tuple(tuple(float(v) for v in column) for column in turn.as_matrix().T)
 

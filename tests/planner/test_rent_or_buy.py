@@ -109,7 +109,7 @@ def test_a_path_is_bought_once_waiting_has_cost_as_much(seed: int) -> None:
 def test_a_dear_path_is_kept_and_shortened_until_it_is_paid() -> None:
     scene, sample = behind_the_wall(walker())
     planner = planner_of(moved_to_the_wall(scene))
-    s, target, took = planner.plan.searches, displaced(planner.world.posture, np.array([0.85, 0.0, 0.0])), []
+    s, target, took = planner.plan.searches, displaced(planner.world.posture, np.array([0.85, 0.0, 0.0])), list[float]()
     for _ in range(200):
         assert planner.slice(target) == Outcome.SEARCHING
         assert not took or s.phase[0] >= Phase.CUT

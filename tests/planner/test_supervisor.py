@@ -35,13 +35,6 @@ def test_a_door_is_passed_within_the_motion_budget() -> None:
     assert run.record.statuses == {}
 
 
-def test_without_a_search_the_avatar_waits_and_says_so() -> None:
-    scene, target = behind_the_wall(walker())
-    run = Run(scene, around=0)
-    run.go(target, 2 * SECONDS)
-    assert run.far(target) > 0.5 and run.said["waiting"] > SECONDS and "planning" not in run.said
-
-
 @pytest.mark.parametrize(("around", "is_led"), [(0, False), (1, False), (2, True)])
 def test_a_hand_without_joints_is_led_only_if_asked_for(around: int, is_led: bool) -> None:
     scene, target = behind_the_wall(palm())

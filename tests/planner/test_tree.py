@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from avatarsim.ik.make import make_solver
@@ -105,6 +105,7 @@ def to_root(before: list[int], k: int) -> list[int]:
     return [k, *to_root(before, before[k])] if before[k] >= 0 else [k]
 
 
+@settings(max_examples=30)
 @given(st.lists(st.integers(0, 10**6), max_size=40), st.data())
 def test_a_path_joins_both_trees_and_alone_is_kept(parents: list[int], data: st.DataObject) -> None:
     at, before = grown(parents)

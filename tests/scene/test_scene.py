@@ -1,13 +1,13 @@
 """Scenes: effects of each part, the author's choices, and the pairs that may touch."""
 
 from dataclasses import fields, replace
+from typing import Any
 
-import numpy as np
 import pytest
 
 from avatarsim.errors import InvalidScene
-from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.body import ContactLaw, PairTable, fixed, simulated, solid
+from avatarsim.scene.avatar import Avatar, rigid_avatar
+from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, solid
 from avatarsim.scene.effects import CALLS, KEPT, Effects
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
@@ -20,7 +20,7 @@ TUMBLE = simulated("tumble", CRATE, "wood", solid(CRATE, 1.0), (1.0, 0.0, 1.0))
 HAND = rigid_avatar("hand", BALL, solid(BALL, 0.5))
 
 
-def called(*bodies: object, avatars: tuple = (), **more: object) -> set[str]:
+def called(*bodies: Body, avatars: tuple[Avatar, ...] = (), **more: Any) -> set[str]:
     """Return effects of a scene of these parts."""
     scene = Scene("s", bodies, avatars, **more)
     return {effect for effect, parts in scene.calls.items() if parts}
@@ -62,15 +62,15 @@ def test_a_scene_that_requires_what_it_lacks_is_refused_by_name(effect: str, par
 
 def test_what_is_required_must_not_be_narrowed_away() -> None:
     assert Scene("s", (FLOOR, DROP), require=("friction",)).effects.friction
-    for twice in ({"require": ("friction",)}, {"force": ("friction",)}):
+    for asked in ("require", "force"):
         with pytest.raises(InvalidScene, match="narrows is 'friction'"):
-            Scene("s", (FLOOR, DROP), narrow=("friction",), **twice)
+            called(FLOOR, DROP, narrow=("friction",), **dict[str, Any]({asked: ("friction",)}))
 
 
 @pytest.mark.parametrize("asked", ["narrow", "require", "force"])
 def test_an_effect_that_nobody_knows_is_refused(asked: str) -> None:
     with pytest.raises(InvalidScene, match="'fricton'"):
-        Scene("s", (FLOOR, DROP), **{asked: ("fricton",)})
+        called(FLOOR, DROP, **dict[str, Any]({asked: ("fricton",)}))
 
 
 @pytest.mark.parametrize("effect", KEPT)
@@ -137,9 +137,3 @@ def test_without_self_contact_only_own_links_pass_each_other() -> None:
     scene = Scene("s", (FLOOR,), (hinged_avatar(), HAND), narrow=("self_contact",))
     assert not scene.pair_filter[1:17, 1:17].any()
     assert scene.pair_filter[1:17, 17].all() and scene.pair_filter[1:, 0].all()
-
-
-def test_the_default_start_is_rest() -> None:
-    scene = Scene("s", avatars=(HAND,))
-    assert (scene.first_sample.positions == 0.0).all()
-    assert np.array(scene.gravity)[2] == -9.81

@@ -119,7 +119,9 @@ JSON = st.recursive(
 @given(data=st.data())
 def test_anything_at_any_place_is_a_scene_or_refused(data: st.DataObject) -> None:
     whole = json.loads(json.dumps(written(scene())))
-    place, held = whole, None
+    place: Any = whole
+    held: Any = None
+    key: Any = None
     for _ in range(data.draw(st.integers(1, 7))):
         if isinstance(place, dict) and place:
             held, key = place, data.draw(st.sampled_from(sorted(place)))
@@ -133,11 +135,6 @@ def test_anything_at_any_place_is_a_scene_or_refused(data: st.DataObject) -> Non
         assert isinstance(scene_from(whole, "x"), Scene)
     except InvalidInput:
         pass
-
-
-def test_numbers_keep_all_their_bits() -> None:
-    numbers = np.random.default_rng(1).normal(size=(50, 3)) * 10.0 ** np.arange(-25, 25)[:, None]
-    np.testing.assert_array_equal(np.array(json.loads(json.dumps(written(numbers)))), numbers)
 
 
 def test_moving_bodies_and_drives_come_back() -> None:

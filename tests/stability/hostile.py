@@ -231,8 +231,8 @@ def hinge_excess(scene: Scene, record: FrameRecord) -> float:
 
 
 def ball_excess(scene: Scene, orientations: Array) -> Array:
-    """Return (F,) the largest excess of swing or twist of a ball [rad] in F states from the shown orientations (F, n, 4) alone, by
-    scipy's rotations; without limited balls -inf."""
+    """Return (F,) the largest excess of swing or twist of a ball [rad], by scipy's rotations, from shown orientations (F, n, 4)
+    alone; without limited balls -inf."""
     balls, parents, children, start = [], [], [], len(scene.bodies)
     for avatar in scene.avatars:
         index = {link.name: start + k for k, link in enumerate(avatar.links)}

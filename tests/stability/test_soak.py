@@ -1,6 +1,7 @@
 """The soak test: its scene runs, the user's motion closes, and growth, slowing and overlap are faults."""
 
 import mmap
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,13 +19,13 @@ GONE: list[mmap.mmap] = []
 class Hoards(AvatarsimEngine):
     """An engine that keeps a megabyte of each frame, up to four hundred."""
 
-    def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
+    def advance(self, sample: TrackerSample | None, dt: float, moving: Any = None) -> FrameRecord:
         """Return a frame as usual."""
         if len(GONE) < 400:
             # pages of its own: memory from malloc may have been the process's all along
             GONE.append(mmap.mmap(-1, 2**20))
             GONE[-1].write(b"x" * 2**20)
-        return super().advance(sample, dt)
+        return super().advance(sample, dt, moving)
 
 
 def report(resident: list[float], ratios: list[float], overlap: float = 0.0) -> Report:

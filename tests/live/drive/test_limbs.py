@@ -75,6 +75,7 @@ def test_fingers_are_no_legs_and_hands_have_handles() -> None:
     skeleton = approximate("SMPL-H")[0]
     still = Motion(np.zeros(1), *(array[None] for array in skeleton.still))
     avatar = human(skeleton, 1.7, still).avatar
+    assert avatar is not None
     whole = Tree((avatar,))
     names = [whole.nodes[k].name for k in handle_links(whole)]
     assert names == ["pelvis", "left_foot", "right_foot", "head", "left_wrist", "right_wrist"]

@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -67,7 +68,7 @@ def test_worlds_side_by_side_are_all_in_the_first_view() -> None:
 def test_home_is_the_first_view() -> None:
     server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
     worlds = Worlds(server, stage("hand"), ["avatarsim"])
-    camera = SimpleNamespace(position=np.full(3, 50.0), look_at=np.zeros(3), up_direction=np.array((1.0, 0.0, 0.0)))
+    camera: Any = SimpleNamespace(position=np.full(3, 50.0), look_at=np.zeros(3), up_direction=np.array((1.0, 0.0, 0.0)))
     worlds.look(camera, "Home")
     first = server.initial_camera
     assert camera.position == pytest.approx(first.position) and camera.look_at == pytest.approx(first.look_at)

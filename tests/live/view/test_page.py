@@ -53,7 +53,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
 
 def test_a_hand_in_the_table_has_a_ghost_and_two_numbers(page: Page) -> None:
     ghost, first = page.worlds.drawn["avatarsim"].ghost, page.session.scene.first_sample.positions[0]
-    assert soon(lambda: inside(page) == [0.0, 0.0]) and page.hint.visible
+    assert soon(lambda: inside(page) == [0.0, 0.0] and page.hint.visible)
     assert not any(body.node.visible for body in ghost.values())
     page.post(lambda: page.driver.drag("hand/palm", (*first[:2], 0.74)))
     assert soon(lambda: inside(page)[0] > 5.0 and any(body.node.visible for body in ghost.values()))

@@ -7,6 +7,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,9 +51,7 @@ def test_a_recording_becomes_a_page_that_marks_its_deepest(recording: Path) -> N
     assert len(take["times"]) == FRAMES // 2 and len(take["ghost"]["bodies"]) == 2
 
 
-def films(
-    monkeypatch: pytest.MonkeyPatch, each: float, patience: float, count: int | None = None
-) -> tuple[Image.Image, list[str]]:
+def films(monkeypatch: pytest.MonkeyPatch, each: float, patience: float, count: int | None = None) -> tuple[Any, list[str]]:
     """Return half a second of a viewer that takes some time [s] for each picture, of `count` at most, and lines of progress."""
     taken, lines = list[int](), list[str]()
 
@@ -64,7 +63,8 @@ def films(
         return np.full((height, width, 3), 20 * len(taken) % 250, dtype=np.uint8)
 
     monkeypatch.setattr(share, "PATIENCE", patience)
-    return Image.open(io.BytesIO(share.filmed(SimpleNamespace(get_render=render), lines.append, 0.5))), lines
+    viewer: Any = SimpleNamespace(get_render=render)
+    return Image.open(io.BytesIO(share.filmed(viewer, lines.append, 0.5))), lines
 
 
 @pytest.mark.parametrize(("each", "patience", "least"), [(0.0, 60.0, 2), (0.3, 60.0, share.FEWEST), (0.3, 1.0, 2)])
