@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[1]
-BOX = """<mujoco><worldbody><geom name="ground" type="plane" size="5 5 .1"/>
-<body name="a" pos="0 0 0.3"><freejoint/><geom type="box" size=".1 .1 .1" mass="1"/></body></worldbody></mujoco>"""
+from tests.test_comparing import BOX, ROOT
+
 TESTS = """
 QUICK = {"engines": ["avatarsim", "tracker"], "options": ("--frames", "30", "--jobs", "0")}
 
