@@ -9,14 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from avatarsim.engine import Settings, Snapshot
+from avatarsim.engine import Snapshot
 from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Shape, Sphere
-from avatarsim.scene.tracker import TrackerSample
-from avatarsim.simulator import AvatarsimEngine
+from tests.worlds.loaded import DT as FRAME
+from tests.worlds.loaded import loaded
 
-FRAME = 1.0 / 60.0
 SPEEDS = (2.0, 5.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 PHASES = 8
 RADIUS, THICK = 0.01, 0.01
@@ -38,15 +37,11 @@ def first_impact(body: Body, gravity: tuple[float, float, float]) -> tuple[Snaps
     """Return (approach, impact, all that was shown) of the body at a wall of THICK across x = 0, by the engine alone."""
     wall = fixed("wall", (Piece(Box((THICK, 20.0, 20.0))),), "m")
     scene = Scene("test", (wall, body), materials=PairTable({("m", "m"): ContactLaw(0.5, 0.0)}), gravity=gravity)
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(record_inside=True), FRAME)
-    nobody = scene.first_sample
-    assert isinstance(nobody, TrackerSample)
-    met: list[Snapshot] = []
-    shown: list[Snapshot] = []
+    engine = loaded(scene, record_inside=True)
+    met, shown = list[Snapshot](), list[Snapshot]()
     for _ in range(MOST_FRAMES):
         done = bool(met)
-        record = engine.advance(nobody, FRAME)
+        record = engine.advance(scene.first_sample, FRAME)
         assert not record.statuses
         met += [snapshot for snapshot in record.inside if snapshot.event != "step"]
         shown += [*record.inside, record.shown]

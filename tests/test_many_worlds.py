@@ -16,8 +16,9 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
-from tests.stability.hostile import DT, hinged_trial
+from tests.stability.hostile import hinged_trial
 from tests.worlds.little_worlds import at, hand, hand_scene, panel
+from tests.worlds.loaded import DT, loaded
 
 BALL = (Piece(Sphere(0.1)),)
 FLOOR = fixed("floor", (Piece(Box((4.0, 4.0, 0.1))),), "wood", (0.0, 0.0, -0.05))
@@ -55,9 +56,8 @@ def engines(count: int) -> tuple[list[Scene], list[AvatarsimEngine], list[Avatar
     both: tuple[list[AvatarsimEngine], list[AvatarsimEngine]] = ([], [])
     for scene, way in kinds:
         for made in both:
-            engine = AvatarsimEngine()
-            engine.load(scene, way, DT)
-            made.append(engine)
+            made.append(AvatarsimEngine())
+            made[-1].load(scene, way, DT)
     return [scene for scene, _ in kinds], *both
 
 
@@ -89,9 +89,7 @@ def test_many_worlds_are_to_the_bit_what_each_is_alone(threads: int | None) -> N
 @pytest.mark.parametrize("name", ["hand", "hand and ball", "humanoid", "no avatar"])
 def test_worlds_go_on_together_from_wherever_they_were_put(name: str) -> None:
     scene = SCENES[name]
-    together, alone = (AvatarsimEngine() for _ in range(2))
-    for engine in (together, alone):
-        engine.load(scene, Settings(), DT)
+    together, alone = (loaded(scene) for _ in range(2))
     turns: list[Callable[[AvatarsimEngine], object]] = [
         lambda engine: engine.restore(kept), lambda engine: engine.change(scene), lambda engine: engine.reset(),
     ]
@@ -107,10 +105,7 @@ def test_worlds_go_on_together_from_wherever_they_were_put(name: str) -> None:
 
 def hands(count: int) -> list[AvatarsimEngine]:
     """So many worlds with one hand, loaded."""
-    made = [AvatarsimEngine() for _ in range(count)]
-    for engine in made:
-        engine.load(SCENES["hand"], Settings(), DT)
-    return made
+    return [loaded(SCENES["hand"]) for _ in range(count)]
 
 
 HOME = SCENES["hand"].first_sample

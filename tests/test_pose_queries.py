@@ -15,7 +15,6 @@ from avatarsim.scene.moving import moving
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
-from avatarsim.simulator import AvatarsimEngine
 from scenarios import catalog
 from tests.coupling.scenes import FLOOR, LAW, cube, fist
 from tests.rigid.upper_world import G
@@ -167,9 +166,8 @@ def test_a_hand_presses_by_its_lag_up_to_its_largest_force() -> None:
     wall = fixed("wall", (Piece(Box((0.1, 2.0, 2.0))),), "m", (0.2, 0.0, 0.0))
     for drive, pressed in ((None, 1.0), (Drive(largest_force=20.0), 0.0)):
         hand = replace(fist(), drive=drive)
-        engine = AvatarsimEngine()
         # far below something falls, so that the scene has dynamics
-        engine.load(Scene("wall", (wall, cube(1.0, (0.0, 0.0, -9.0))), (hand,), materials=LAW), Settings(), DT)
+        engine = loaded(Scene("wall", (wall, cube(1.0, (0.0, 0.0, -9.0))), (hand,), materials=LAW))
         for k in range(60):
             record = engine.advance(hands((min(0.2, 0.01 * k), 0.0, 0.0)), DT)
         force = K * (0.2 - record.shown.positions[2, 0]) if pressed else 20.0
@@ -195,8 +193,7 @@ def test_two_pads_squeeze_by_their_lag_and_bear_the_weight() -> None:
 def test_fingers_with_joints_bear_a_mug_together() -> None:
     scenario = catalog.get("mug_in_fingers")
     scene = scenario.build()
-    engine, motion = AvatarsimEngine(), scenario.motion(scene, 0)
-    engine.load(scene, Settings(), scenario.dt)
+    engine, motion = loaded(scene, dt=scenario.dt), scenario.motion(scene, 0)
     for k in range(110):
         engine.advance(motion(k), scenario.dt)
     for _ in range(90):

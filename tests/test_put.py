@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError, InvalidInput, InvalidSample, InvalidScene, StartOverlaps, UnknownName
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated, solid
@@ -24,10 +23,8 @@ FLOOR = fixed("floor", (Piece(Box((4.0, 4.0, 0.1))),), "wood", (0.0, 0.0, -0.05)
 
 def above_a_floor(preset: str = "default", start: str = "nearest") -> tuple[AvatarsimEngine, Scene]:
     """Return an engine with an avatar of every kind of joint above a floor."""
-    avatar = mixed_avatar()
-    engine, scene = AvatarsimEngine(), Scene("put", (FLOOR,), (avatar,), start=within(0.0, 0.5))
-    engine.load(scene, Settings(preset, start=start), DT)
-    return engine, scene
+    scene = Scene("put", (FLOOR,), (mixed_avatar(),), start=within(0.0, 0.5))
+    return loaded(scene, preset, start=start), scene
 
 
 def within(turn: float, height: float) -> TrackerSample:
@@ -63,8 +60,7 @@ def test_a_put_avatar_goes_on_as_one_that_was_loaded_there() -> None:
     engine, scene = above_a_floor()
     engine.advance(within(0.2, -0.2), DT)
     engine.put(within(1.0, 0.4))
-    fresh = AvatarsimEngine()
-    fresh.load(replace(scene, start=within(1.0, 0.4)), Settings(), DT)
+    fresh = loaded(replace(scene, start=within(1.0, 0.4)))
     for k in range(1, 30):
         target = within(1.0 + 0.05 * k, 0.4 - 0.02 * k)
         one, other = engine.advance(target, DT), fresh.advance(target, DT)
@@ -123,8 +119,7 @@ def test_scenes_whose_bodies_move_and_the_printed_method_refuse() -> None:
     ball = (Piece(Sphere(0.05)),)
     loose = simulated("ball", ball, "wood", solid(ball, 0.2), (1.0, 0.0, 0.2))
     avatar = hand()
-    moving = AvatarsimEngine()
-    moving.load(Scene("moving", (FLOOR, loose), (avatar,), start=at(rest((avatar,)), (0.0, 0.0, 0.5))), Settings(), DT)
+    moving = loaded(Scene("moving", (FLOOR, loose), (avatar,), start=at(rest((avatar,)), (0.0, 0.0, 0.5))))
     for engine in (moving, above_a_floor("paper")[0]):
         with pytest.raises(InvalidInput, match="scene to put avatars in"):
             engine.put(engine.posture())
@@ -164,7 +159,7 @@ def test_an_overlapping_start_names_its_pairs_deepest_first() -> None:
     far = fixed("far", (Piece(Sphere(0.1)),), "wood", (0.0, 0.0, 5.0))
     scene = Scene("s", (far, box, near), (hand((Piece(Sphere(0.08)),)),))
     with pytest.raises(StartOverlaps) as error:
-        AvatarsimEngine().load(scene, Settings(start="exact"), DT)
+        loaded(scene, start="exact")
     assert [pair[:2] for pair in error.value.pairs] == [("box", "hand"), ("near", "hand")]
     assert [pair[2] for pair in error.value.pairs] == pytest.approx([0.06, 0.02])
     assert "box in hand by 60 mm" in str(error.value) and "far" not in str(error.value)
@@ -173,7 +168,7 @@ def test_an_overlapping_start_names_its_pairs_deepest_first() -> None:
 def test_many_overlaps_are_counted_not_listed() -> None:
     crowd = tuple(fixed(f"f{k}", BALL, "wood", (0.01 * k, 0.0, 0.0)) for k in range(12))
     with pytest.raises(StartOverlaps, match="and 4 more"):
-        AvatarsimEngine().load(Scene("s", crowd, (hand(),)), Settings(start="exact"), DT)
+        loaded(Scene("s", crowd, (hand(),)), start="exact")
 
 
 def test_pairs_that_are_left_out_may_overlap_at_the_start() -> None:

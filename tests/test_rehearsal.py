@@ -24,6 +24,7 @@ from avatarsim.settings import Chosen
 from avatarsim.simulator import AvatarsimEngine
 from tests.stability.hostile import DT
 from tests.worlds.little_worlds import at
+from tests.worlds.loaded import loaded
 
 TOGETHER = part_scene("together")[0]
 PRESETS = ("default", "paper")
@@ -101,8 +102,7 @@ def test_only_what_changed_is_written_again() -> None:
 def test_what_is_shown_does_not_know_of_the_rehearsal(name: str, preset: str) -> None:
     """Frames that were never rehearsed, compared with an engine that has been loaded."""
     scene = SCENES[name]
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(preset, seed=3, record_inside=True), DT)
+    engine = loaded(scene, preset, seed=3, record_inside=True)
     alone = Frames(build(scene), preset, Chosen(), 3, record=True, time_stages=False)
     for sample in lively(scene, 40):
         record = engine.advance(sample, DT)
