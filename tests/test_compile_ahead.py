@@ -29,10 +29,9 @@ from avatarsim.compile_ahead import (
 )
 from avatarsim.jit import places
 from avatarsim.jit.first_compile import FIRST_COMPILE
-from avatarsim.jit.kernel import ROOT, _closure
+from avatarsim.jit.kernel import ROOT, _closure, kernel_folder
 from avatarsim.jit.places import NAME, SUFFIX, CannotKeep, Places
 from avatarsim.jit.processor import compiled_for, usable
-from tests import late_commands
 from tests.jit.kernel_package import plain_environment
 
 
@@ -60,7 +59,8 @@ def copied_ahead(into: Path) -> bool:
     if base is None or not all((base / stamp).exists() for stamp in stamps):
         return False
     last = max((base / stamp).stat().st_mtime_ns for stamp in stamps)
-    for folder in {*(folder for folder, _ in FIRST_COMPILE.declared), *(stamp.parent for stamp in stamps)}:
+    for source in (*ROOT.rglob("*.py"), *ROOT.parent.joinpath("reference").rglob("*.py")):
+        folder = kernel_folder(str(source))
         for file in (base / folder).glob("*"):
             if file.stat().st_mtime_ns <= last:
                 (into / folder).mkdir(parents=True, exist_ok=True)
@@ -76,7 +76,7 @@ def test_no_command_compiles_after_all_was_compiled_ahead(tmp_path: Path) -> Non
     if not copied_ahead(kernels):
         subprocess.run([sys.executable, "-m", "avatarsim", "compile"], stdout=subprocess.PIPE, check=True, **options)
     assert len([*kernels.rglob(f"*{SUFFIX}")]) > 600
-    command = [sys.executable, "-m", late_commands.__name__, str(tmp_path)]
+    command = [sys.executable, "-m", "tests.late_commands", str(tmp_path)]
     asked = subprocess.run(command, stdout=subprocess.PIPE, check=True, **options)
     answers = [json.loads(line) for line in asked.stdout.splitlines()]
     assert len(answers) >= 10
