@@ -7,6 +7,7 @@ Not part of `make test`, which needs no browser: `make look` runs it, and leaves
 import threading
 import time
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -121,6 +122,18 @@ def seen(running: Running) -> Iterator[Browser]:
         one.until(HUD)
         took = time.monotonic() - begun
         assert took <= WARM, f"the page took {took:.1f} s"
+        yield one
+
+
+@contextmanager
+def window_on(running: Running, size: tuple[int, int], rest: float = 0.0, saves: Path | None = None) -> Iterator[Browser]:
+    """Yield another browser that shows a page, some time [s] after it came up; its files go into the folder `saves`."""
+    with browser(*size) as one:
+        if saves is not None:
+            one.downloads(saves)
+        one.visit(running.page.address)
+        one.until(HUD)
+        time.sleep(rest)
         yield one
 
 
@@ -240,10 +253,7 @@ def test_home_brings_a_camera_back_that_flew_away(running: Running, seen: Browse
 
 
 def test_a_human_pushes_a_door_open_and_the_lift_rises(folder: Path) -> None:
-    with Running("house", folder) as one, browser(1400, 900) as window:
-        window.visit(one.page.address)
-        window.until(HUD)
-        time.sleep(4.0)
+    with Running("house", folder) as one, window_on(one, (1400, 900), 4.0) as window:
         window.picture(SCREENSHOTS / "live-house-start.png")
 
         # not by the browser's keys, which wait for each picture that it draws without a graphics card
@@ -268,10 +278,7 @@ def test_a_human_pushes_a_door_open_and_the_lift_rises(folder: Path) -> None:
 
 def test_the_same_drag_beside_in_mujoco_is_red_there(folder: Path) -> None:
     offered = [plan for plan in installed(stage("hand").scene, 60.0) if plan.name == "mujoco/default"]
-    with Running("hand", folder, offered=offered) as one, browser(1000, 700) as window:
-        window.visit(one.page.address)
-        window.until(HUD)
-        time.sleep(4.0)
+    with Running("hand", folder, offered=offered) as one, window_on(one, (1000, 700), 4.0) as window:
         window.click("mujoco/default")
         window.until("document.querySelectorAll('[data-overlap]').length === 3", 120.0)
         time.sleep(4.0)
@@ -286,11 +293,7 @@ def test_the_same_drag_beside_in_mujoco_is_red_there(folder: Path) -> None:
 
 def test_the_last_seconds_are_an_offline_page(running: Running, folder: Path) -> None:
     running.page.post(lambda: running.page.driver.drag("hand/palm", (-0.05, 0.0, 0.74)))
-    with browser(1000, 800) as one:
-        one.downloads(folder)
-        one.visit(running.page.address)
-        one.until(HUD)
-        time.sleep(3.0)
+    with window_on(running, (1000, 800), 3.0, folder):
         running.page.share(list(running.page.server.get_clients().values())[-1])
         end = time.monotonic() + 60.0
         while not (pages := list(folder.glob("*.html"))) and time.monotonic() < end:
@@ -308,10 +311,7 @@ def test_the_last_seconds_are_an_offline_page(running: Running, folder: Path) ->
 
 
 def test_six_seconds_are_recorded_of_a_slow_browser_too(running: Running, folder: Path) -> None:
-    with browser(500, 400) as one:
-        one.downloads(folder)
-        one.visit(running.page.address)
-        one.until(HUD)
+    with window_on(running, (500, 400), saves=folder):
         client = list(running.page.server.get_clients().values())[-1]
         running.page.film(client)
         end = time.monotonic() + 1.5 * share.PATIENCE
@@ -331,11 +331,8 @@ def test_six_seconds_are_recorded_of_a_slow_browser_too(running: Running, folder
 def test_all_stages_come_up_light_and_dark(name: str, dark: bool, folder: Path) -> None:
     with Running(name, folder, dark) as one:
         for width, height in ((1400, 900), (390, 844)):
-            with browser(width, height) as window:
-                window.visit(one.page.address)
-                window.until(HUD)
-                # the scene fades in
-                time.sleep(4.0)
+            # the scene fades in
+            with window_on(one, (width, height), 4.0) as window:
                 assert window.value("document.documentElement.scrollWidth <= window.innerWidth")
                 shade = "dark" if dark else "light"
                 window.picture(SCREENSHOTS / f"live-{name}-{shade}-{width}.png")
@@ -345,9 +342,7 @@ def test_all_stages_come_up_light_and_dark(name: str, dark: bool, folder: Path) 
 @pytest.mark.parametrize("size", [(390, 844), (800, 700), (980, 640), (1400, 900)], ids=lambda size: str(size[0]))
 def test_numbers_are_never_covered_and_a_phone_begins_closed(running: Running, size: tuple[int, int]) -> None:
     SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-    with browser(*size) as one:
-        one.visit(running.page.address)
-        one.until(HUD)
+    with window_on(running, size) as one:
         # viser's own notice comes
         one.until("!!document.querySelector('.mantine-Notification-root')")
         time.sleep(1.0)
