@@ -34,7 +34,7 @@ class Lying:
     """A named tuple, laid out in memory, as a kernel gets it."""
 
     def __init__(self, tree: Any) -> None:
-        self.tree, starts, image = tree, {}, Image()
+        self.tree, starts, image = tree, dict[int, int](), Image()
         collect(tree, starts)
         image.lay(tree, starts)
         self.memory = np.frombuffer(bytes(image.data) or bytes(8), dtype=np.uint8)
@@ -60,7 +60,7 @@ def view_arena(kinds: tuple[Reference | None, ...]) -> Any:
 
     @intrinsic
     def put(_context: Any, args: Any) -> Any:
-        known = types.Tuple([kind or found for kind, found in zip(kinds, args.types, strict=True)])
+        known = types.Tuple([kind or found for kind, found in zip(kinds, args.types, strict=True)])  # type: ignore[attr-defined]
 
         def build(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             whole = [builder.extract_value(values[0], k) for k in range(len(kinds))]
@@ -87,13 +87,13 @@ class Referring:
         """Call a kernel of the engine for a test; make any other call, and one that takes tuples apart itself, by value."""
         named = [self.lying(one) if isinstance(one, tuple) and hasattr(one, "_fields") else None for one in args]
         key = (kernel, *(lying and lying.number for lying in named))
-        if not any(named) or self.entries.get(key, True) is None:
+        if key not in self.entries and any(named):
+            self.entries[key] = entry_of(kernel, tuple(None if lying is None else lying.kind for lying in named))
+        entry = self.entries.get(key)
+        if entry is None:
             return self.by_value(kernel, *args)
-        if key not in self.entries:
-            self.entries[key] = entry_of(kernel, tuple(lying and lying.kind for lying in named))
         try:
-            handed = [one if lying is None else lying.address for one, lying in zip(args, named, strict=True)]
-            return self.entries[key](*handed)
+            return entry(*(one if lying is None else lying.address for one, lying in zip(args, named, strict=True)))
         except NumbaError:
             self.entries[key] = None
             return self.by_value(kernel, *args)

@@ -33,7 +33,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     return clock
 
 
-def test_progress_is_silent_for_a_second_and_then_lines_now_and_then(clock: Clock) -> None:
+def test_progress_is_silent_at_first_and_then_now_and_then(clock: Clock) -> None:
     stream = io.StringIO()
     with Progress("decomposing duck.obj", stream) as progress:
         clock.now += 0.9
@@ -41,7 +41,8 @@ def test_progress_is_silent_for_a_second_and_then_lines_now_and_then(clock: Cloc
         progress.step(0.0, "0 parts")
         assert stream.getvalue() == ""
         clock.now += 0.1
-        assert progress.due
+        is_due: bool = progress.due
+        assert is_due
         for k in range(50):
             clock.now += 0.5
             progress.step(k / 50, f"{k} parts")
@@ -123,7 +124,7 @@ sys.exit(ended(lambda: {}))
     ("read_bytes(Path({large!r}), 'file', 'any', 10**10)", ["avatarsim.files.read_bytes"]),
     ("np.zeros((10**4, 10**4))", ["(10000, 10000)", "float64"]),
 ])
-def test_too_little_memory_ends_with_what_was_too_large_and_the_limit(command: str, words: list[str], tmp_path: Path) -> None:
+def test_too_little_memory_names_what_was_too_large(command: str, words: list[str], tmp_path: Path) -> None:
     with (tmp_path / "large").open("wb") as file:
         file.truncate(10**9)
     program = LIMITED.format(command.format(large=str(tmp_path / "large")))

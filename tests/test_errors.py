@@ -12,7 +12,7 @@ from scenarios import catalog
 MANY = [f"scene_{k}" for k in range(ALL_NAMED)] + ["two_arms", "two_arms_and_leg"]
 
 
-def test_few_names_are_all_listed_of_many_the_likely_first_and_then_how_many() -> None:
+def test_of_many_names_the_likely_ones_are_listed() -> None:
     assert str(UnknownName("engine", "bulet", ("pybullet", "mujoco"))).endswith("mujoco, pybullet")
     assert likely("x", MANY[:ALL_NAMED]).count(", ") == ALL_NAMED - 1
     assert likely("two_arm", MANY).startswith("two_arms, ")
@@ -26,7 +26,7 @@ def test_each_scene_is_found_by_its_name_without_a_letter() -> None:
         assert name in likely(name[:-1], known)
 
 
-def test_a_message_shows_both_ends_of_a_long_value_and_the_type_of_one_that_cannot_be_shown() -> None:
+def test_a_long_value_is_cut_and_a_failing_repr_becomes_a_type() -> None:
     class Shy:
         def __repr__(self) -> str:
             raise RuntimeError
@@ -41,9 +41,7 @@ def large_array() -> object:
 
 
 @pytest.mark.parametrize(("limit", "words"), [(600 * 2**20, ["0.63 GB", "ulimit -v"]), (resource.RLIM_INFINITY, ["the machine"])])
-def test_a_lack_of_memory_names_what_was_too_large_where_and_the_limit(
-    limit: int, words: list[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_lack_of_memory_names_size_place_and_limit(limit: int, words: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(resource, "getrlimit", lambda which: (limit, limit))
     with pytest.raises(MemoryError) as caught:
         large_array()

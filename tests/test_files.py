@@ -1,6 +1,7 @@
 """Entries of a cache are whole or not there; folders and files that others may have written are never touched."""
 
 import os
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -60,7 +61,7 @@ def test_a_write_that_fails_leaves_what_was_there(
     assert read_entry(path) == b"before" and [one.name for one in tmp_path.iterdir()] == ["entry"]
 
 
-def test_what_others_may_have_written_is_refused_unless_it_lies_beside_the_sources(tmp_path: Path) -> None:
+def test_refuses_entries_that_others_may_write(tmp_path: Path) -> None:
     path = tmp_path / "entry"
     write_entry(path, DATA)
     path.chmod(0o666)
@@ -69,7 +70,7 @@ def test_what_others_may_have_written_is_refused_unless_it_lies_beside_the_sourc
     assert read_entry(path, must_be_private=False) == DATA
 
 
-def test_a_pipe_or_a_folder_in_place_of_a_file_keeps_no_reader_waiting(tmp_path: Path) -> None:
+def test_pipes_and_folders_are_no_entries(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe", 0o600)
     with pytest.raises(Damaged, match="not a file"):
         read_entry(tmp_path / "pipe")
@@ -91,13 +92,13 @@ def give_away(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         os.chown(path, 12345, -1, follow_symlinks=False)
     else:
         other = os.geteuid() + 1
-        monkeypatch.setattr(cache_folder.os, "geteuid", lambda: other)
+        monkeypatch.setattr(os, "geteuid", lambda: other)
 
 
 def test_folders_come_in_the_order_of_the_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for variable, value in (("AVATARSIM_CACHE_DIR", "a"), ("MORE", "b"), ("XDG_CACHE_HOME", "c"), ("HOME", "d")):
         monkeypatch.setenv(variable, str(tmp_path / value))
-    monkeypatch.setattr(cache_folder.tempfile, "tempdir", str(tmp_path / "e"))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "e"))
     found = [tmp_path / place for place in ("a/n", "b/n", "c/n", "d/.cache/n", f"e/n-{os.geteuid()}")]
     assert bases("n", "MORE") == found
     monkeypatch.setenv("MORE", "")
@@ -111,7 +112,7 @@ def test_a_machine_without_home_or_temporary_folder_has_none(monkeypatch: pytest
     for variable in ("AVATARSIM_CACHE_DIR", "XDG_CACHE_HOME"):
         monkeypatch.delenv(variable, raising=False)
     monkeypatch.setenv("HOME", "nowhere")
-    monkeypatch.setattr(cache_folder.tempfile, "gettempdir", none)
+    monkeypatch.setattr(tempfile, "gettempdir", none)
     assert bases("n") == []
 
 
@@ -126,9 +127,7 @@ def test_folders_are_made_for_this_user_alone(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("mode", [0o777, 0o775, 0o757, 0o1777])
-def test_what_others_may_write_to_is_refused_and_said_once(
-    mode: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_others_may_write_to_is_refused_and_said_once(mode: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "open"
     folder.mkdir()
     folder.chmod(mode)
@@ -148,7 +147,7 @@ def test_what_belongs_to_another_user_is_refused(tmp_path: Path, monkeypatch: py
     assert not is_writable(folder) and not is_readable(folder)
 
 
-def test_a_link_of_another_user_is_refused_and_ones_own_is_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_symlink_is_followed_only_if_it_is_ones_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "mine").mkdir(mode=0o700)
     link = tmp_path / "link"
     link.symlink_to(tmp_path / "mine")
@@ -157,13 +156,13 @@ def test_a_link_of_another_user_is_refused_and_ones_own_is_followed(tmp_path: Pa
     assert not is_readable(link)
 
 
-def test_the_administrators_files_are_trusted_and_a_files_mode_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_administrators_files_are_trusted_by_their_mode(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "file"
     path.write_text("")
     path.chmod(0o644)
     require_trusted(path.stat(), path)
     monkeypatch.setattr(cache_folder, "ADMINISTRATOR", path.stat().st_uid)
-    monkeypatch.setattr(cache_folder.os, "geteuid", lambda: 12345)
+    monkeypatch.setattr(os, "geteuid", lambda: 12345)
     require_trusted(path.stat(), path)
     path.chmod(0o664)
     with pytest.raises(Distrusted, match="mode 0664"):

@@ -42,7 +42,7 @@ def test_with_and_without_its_command_it_compiles_once(
     assert bool(capsys.readouterr().out) is bool(command)
 
 
-def test_a_folder_to_carry_elsewhere_is_for_the_baseline_unless_the_host_is_asked_for(
+def test_compiles_for_the_baseline_unless_host_is_asked_for(
     nothing_is_compiled: list[Path | None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(baseline, "runs_baseline", lambda: True)
@@ -74,7 +74,7 @@ def test_what_is_impossible_is_refused_in_a_sentence(
     assert [word for word in words if word not in said] == [] and "Traceback" not in said
 
 
-def test_the_container_file_of_the_manual_compiles_into_the_folder_that_it_reads() -> None:
+def test_the_manuals_container_compiles_into_the_folder_it_reads() -> None:
     manual = (Path(__file__).parents[1] / "docs" / "installing.md").read_text(encoding="utf-8")
     (container,) = re.findall(r"```dockerfile\n(.*?)```", manual, re.DOTALL)
     (command,) = re.findall(r"^RUN avatarsim (.*)$", container, re.MULTILINE)

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import cycle, islice
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,8 +16,9 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
-from tests.stability.hostile import DT, hinged_trial
+from tests.stability.hostile import hinged_trial
 from tests.worlds.little_worlds import at, hand, hand_scene, panel
+from tests.worlds.loaded import DT, loaded
 
 BALL = (Piece(Sphere(0.1)),)
 FLOOR = fixed("floor", (Piece(Box((4.0, 4.0, 0.1))),), "wood", (0.0, 0.0, -0.05))
@@ -54,9 +56,8 @@ def engines(count: int) -> tuple[list[Scene], list[AvatarsimEngine], list[Avatar
     both: tuple[list[AvatarsimEngine], list[AvatarsimEngine]] = ([], [])
     for scene, way in kinds:
         for made in both:
-            engine = AvatarsimEngine()
-            engine.load(scene, way, DT)
-            made.append(engine)
+            made.append(AvatarsimEngine())
+            made[-1].load(scene, way, DT)
     return [scene for scene, _ in kinds], *both
 
 
@@ -88,9 +89,7 @@ def test_many_worlds_are_to_the_bit_what_each_is_alone(threads: int | None) -> N
 @pytest.mark.parametrize("name", ["hand", "hand and ball", "humanoid", "no avatar"])
 def test_worlds_go_on_together_from_wherever_they_were_put(name: str) -> None:
     scene = SCENES[name]
-    together, alone = (AvatarsimEngine() for _ in range(2))
-    for engine in (together, alone):
-        engine.load(scene, Settings(), DT)
+    together, alone = (loaded(scene) for _ in range(2))
     turns: list[Callable[[AvatarsimEngine], object]] = [
         lambda engine: engine.restore(kept), lambda engine: engine.change(scene), lambda engine: engine.reset(),
     ]
@@ -106,10 +105,7 @@ def test_worlds_go_on_together_from_wherever_they_were_put(name: str) -> None:
 
 def hands(count: int) -> list[AvatarsimEngine]:
     """So many worlds with one hand, loaded."""
-    made = [AvatarsimEngine() for _ in range(count)]
-    for engine in made:
-        engine.load(SCENES["hand"], Settings(), DT)
-    return made
+    return [loaded(SCENES["hand"]) for _ in range(count)]
 
 
 HOME = SCENES["hand"].first_sample
@@ -131,7 +127,8 @@ def test_a_world_that_fails_does_not_keep_the_others(threads: int) -> None:
     asked: list[TrackerSample] = [HOME, BAD, HOME, HOME, rest(()), HOME]
     with many[5]._alone(), pytest.raises(WorldsFailed) as found:
         advance_many(many, asked, DT, threads)
-    errors, records = found.value.errors, found.value.records
+    errors: dict[int, Exception] = dict(found.value.errors)
+    records: Any = found.value.records
     assert list(errors) == [1, 3, 4, 5] and [record is None for record in records] == [k in errors for k in range(6)]
     assert isinstance(errors[1], InvalidSample) and isinstance(errors[4], InvalidSample) and isinstance(errors[5], EngineInUse)
     assert records[2].shown.time == pytest.approx(DT)
@@ -141,7 +138,7 @@ def test_a_world_that_fails_does_not_keep_the_others(threads: int) -> None:
     assert advance_many([many[0], many[2]], [HOME, HOME], DT, threads)[0].shown.time == pytest.approx(2.0 * DT)
 
 
-WRONG: dict[str, Callable[[list[AvatarsimEngine]], tuple[object, ...]]] = {
+WRONG: dict[str, Callable[[list[AvatarsimEngine]], tuple[Any, ...]]] = {
     "engines are none": lambda many: (None, [HOME] * 2, DT, None),
     "engines as keys": lambda many: (dict.fromkeys(many), [HOME] * 2, DT, None),
     "an engine is none": lambda many: ([*many, None], [HOME] * 3, DT, None),
@@ -163,7 +160,7 @@ WRONG: dict[str, Callable[[list[AvatarsimEngine]], tuple[object, ...]]] = {
 
 
 @pytest.mark.parametrize("case", list(WRONG))
-def test_arguments_that_do_not_fit_are_refused_and_leave_every_world_as_it_was(case: str) -> None:
+def test_refused_arguments_leave_every_world_as_it_was(case: str) -> None:
     many = hands(2)
     before = [engine.snapshot() for engine in many]
     with pytest.raises(InvalidInput):
@@ -173,6 +170,6 @@ def test_arguments_that_do_not_fit_are_refused_and_leave_every_world_as_it_was(c
 
 def test_a_sample_that_is_none_fails_its_world_alone() -> None:
     with pytest.raises(WorldsFailed) as found:
-        advance_many(hands(2), [HOME, "sample"], DT)
+        advance_many(hands(2), [HOME, "sample"], DT)  # type: ignore[list-item]
     assert [type(error) for error in found.value.errors.values()] == [InvalidSample]
     assert issubclass(WorldsFailed, AvatarsimError)

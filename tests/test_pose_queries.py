@@ -15,7 +15,6 @@ from avatarsim.scene.moving import moving
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
-from avatarsim.simulator import AvatarsimEngine
 from scenarios import catalog
 from tests.coupling.scenes import FLOOR, LAW, cube, fist
 from tests.rigid.upper_world import G
@@ -163,13 +162,12 @@ def test_a_weight_on_a_hand_is_what_its_user_feels() -> None:
     assert engine.felt("palm") == pytest.approx(np.array([[0.0, 0.0, -0.3 * G]]), abs=SAME)
 
 
-def test_a_hand_presses_a_wall_by_its_lag_and_no_harder_than_its_largest_force() -> None:
+def test_a_hand_presses_by_its_lag_up_to_its_largest_force() -> None:
     wall = fixed("wall", (Piece(Box((0.1, 2.0, 2.0))),), "m", (0.2, 0.0, 0.0))
     for drive, pressed in ((None, 1.0), (Drive(largest_force=20.0), 0.0)):
         hand = replace(fist(), drive=drive)
-        engine = AvatarsimEngine()
         # far below something falls, so that the scene has dynamics
-        engine.load(Scene("wall", (wall, cube(1.0, (0.0, 0.0, -9.0))), (hand,), materials=LAW), Settings(), DT)
+        engine = loaded(Scene("wall", (wall, cube(1.0, (0.0, 0.0, -9.0))), (hand,), materials=LAW))
         for k in range(60):
             record = engine.advance(hands((min(0.2, 0.01 * k), 0.0, 0.0)), DT)
         force = K * (0.2 - record.shown.positions[2, 0]) if pressed else 20.0
@@ -177,7 +175,7 @@ def test_a_hand_presses_a_wall_by_its_lag_and_no_harder_than_its_largest_force()
         assert engine.felt("fist") == pytest.approx(np.array([[-force, 0.0, 0.0]]), rel=SAME, abs=SAME)
 
 
-def test_two_pads_squeeze_by_their_lag_and_friction_bears_the_weight() -> None:
+def test_two_pads_squeeze_by_their_lag_and_bear_the_weight() -> None:
     pad = (Piece(Box((0.02, 0.05, 0.05))),)
     pads = tuple(rigid_avatar(name, pad, solid(pad, 0.5), "m") for name in ("left", "right"))
     scene = Scene("pinch", (FLOOR, cube(0.3, (0.0, 0.0, 0.0501))), pads, materials=LAW,
@@ -195,8 +193,7 @@ def test_two_pads_squeeze_by_their_lag_and_friction_bears_the_weight() -> None:
 def test_fingers_with_joints_bear_a_mug_together() -> None:
     scenario = catalog.get("mug_in_fingers")
     scene = scenario.build()
-    engine, motion = AvatarsimEngine(), scenario.motion(scene, 0)
-    engine.load(scene, Settings(), scenario.dt)
+    engine, motion = loaded(scene, dt=scenario.dt), scenario.motion(scene, 0)
     for k in range(110):
         engine.advance(motion(k), scenario.dt)
     for _ in range(90):
@@ -207,7 +204,7 @@ def test_fingers_with_joints_bear_a_mug_together() -> None:
     assert engine.felt("hand").shape == (4, 3)
 
 
-def test_a_lift_that_stands_that_rises_and_that_speeds_up_bears_what_is_on_it() -> None:
+def test_a_lift_bears_its_load_at_rest_rising_and_speeding_up() -> None:
     for force, mass, rise in ((300.0, 2.0, 0.005), (1e4, 50.0, 0.0)):
         lift = moving("lift", (Piece(Box((0.5, 0.5, 0.05))),), "m", position=(0.0, 0.0, 0.3), largest_force=force)
         engine = loaded(Scene("lift", (FLOOR, cube(mass, (0.0, 0.0, 0.376))), (lift,), materials=LAW))

@@ -1,15 +1,15 @@
 """Postures in and out of an engine, at a start and between frames: invalid ones are refused and change nothing."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError, InvalidInput, InvalidSample, InvalidScene, StartOverlaps, UnknownName
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated, solid
-from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, SwingTwist
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, SwingTwist
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
@@ -23,10 +23,8 @@ FLOOR = fixed("floor", (Piece(Box((4.0, 4.0, 0.1))),), "wood", (0.0, 0.0, -0.05)
 
 def above_a_floor(preset: str = "default", start: str = "nearest") -> tuple[AvatarsimEngine, Scene]:
     """Return an engine with an avatar of every kind of joint above a floor."""
-    avatar = mixed_avatar()
-    engine, scene = AvatarsimEngine(), Scene("put", (FLOOR,), (avatar,), start=within(0.0, 0.5))
-    engine.load(scene, Settings(preset, start=start), DT)
-    return engine, scene
+    scene = Scene("put", (FLOOR,), (mixed_avatar(),), start=within(0.0, 0.5))
+    return loaded(scene, preset, start=start), scene
 
 
 def within(turn: float, height: float) -> TrackerSample:
@@ -62,8 +60,7 @@ def test_a_put_avatar_goes_on_as_one_that_was_loaded_there() -> None:
     engine, scene = above_a_floor()
     engine.advance(within(0.2, -0.2), DT)
     engine.put(within(1.0, 0.4))
-    fresh = AvatarsimEngine()
-    fresh.load(replace(scene, start=within(1.0, 0.4)), Settings(), DT)
+    fresh = loaded(replace(scene, start=within(1.0, 0.4)))
     for k in range(1, 30):
         target = within(1.0 + 0.05 * k, 0.4 - 0.02 * k)
         one, other = engine.advance(target, DT), fresh.advance(target, DT)
@@ -103,7 +100,7 @@ def test_what_cannot_be_shown_is_refused_and_changes_nothing(sample: TrackerSamp
 
 
 @pytest.mark.parametrize("user", [0, False, "", [], (), {}, np.zeros(0), float("nan"), rest(())])
-def test_a_user_that_is_no_sample_is_refused_also_if_false(user: object) -> None:
+def test_a_user_that_is_no_sample_is_refused_also_if_false(user: Any) -> None:
     engine, _ = above_a_floor()
     before = engine.snapshot()
     with pytest.raises(InvalidSample):
@@ -122,8 +119,7 @@ def test_scenes_whose_bodies_move_and_the_printed_method_refuse() -> None:
     ball = (Piece(Sphere(0.05)),)
     loose = simulated("ball", ball, "wood", solid(ball, 0.2), (1.0, 0.0, 0.2))
     avatar = hand()
-    moving = AvatarsimEngine()
-    moving.load(Scene("moving", (FLOOR, loose), (avatar,), start=at(rest((avatar,)), (0.0, 0.0, 0.5))), Settings(), DT)
+    moving = loaded(Scene("moving", (FLOOR, loose), (avatar,), start=at(rest((avatar,)), (0.0, 0.0, 0.5))))
     for engine in (moving, above_a_floor("paper")[0]):
         with pytest.raises(InvalidInput, match="scene to put avatars in"):
             engine.put(engine.posture())
@@ -163,7 +159,7 @@ def test_an_overlapping_start_names_its_pairs_deepest_first() -> None:
     far = fixed("far", (Piece(Sphere(0.1)),), "wood", (0.0, 0.0, 5.0))
     scene = Scene("s", (far, box, near), (hand((Piece(Sphere(0.08)),)),))
     with pytest.raises(StartOverlaps) as error:
-        AvatarsimEngine().load(scene, Settings(start="exact"), DT)
+        loaded(scene, start="exact")
     assert [pair[:2] for pair in error.value.pairs] == [("box", "hand"), ("near", "hand")]
     assert [pair[2] for pair in error.value.pairs] == pytest.approx([0.06, 0.02])
     assert "box in hand by 60 mm" in str(error.value) and "far" not in str(error.value)
@@ -172,7 +168,7 @@ def test_an_overlapping_start_names_its_pairs_deepest_first() -> None:
 def test_many_overlaps_are_counted_not_listed() -> None:
     crowd = tuple(fixed(f"f{k}", BALL, "wood", (0.01 * k, 0.0, 0.0)) for k in range(12))
     with pytest.raises(StartOverlaps, match="and 4 more"):
-        AvatarsimEngine().load(Scene("s", crowd, (hand(),)), Settings(start="exact"), DT)
+        loaded(Scene("s", crowd, (hand(),)), start="exact")
 
 
 def test_pairs_that_are_left_out_may_overlap_at_the_start() -> None:
@@ -181,18 +177,16 @@ def test_pairs_that_are_left_out_may_overlap_at_the_start() -> None:
     assert engine.advance(rest((hand(),)), DT).shown.positions.shape == (2, 3)
 
 
-def test_a_start_beyond_a_hinge_limit_is_refused_by_name() -> None:
-    limb = Link("limb", "root", Hinges((Hinge((1.0, 0.0, 0.0), 0.2, 1.0),)), BALL, solid(BALL, 1.0), anchor=(0.0, 0.0, 0.5))
+@pytest.mark.parametrize(("joint", "changed", "says"), [
+    (Hinges((Hinge((1.0, 0.0, 0.0), 0.2, 1.0),)), {"angles": np.array([1.5])},
+     r"start angle of a hinge of limb \[rad\] is 1.5; valid: 0.2 to 1"),
+    (Ball(SwingTwist((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), 0.5, (-0.5, 0.5))),
+     {"rotations": np.array([[1.0, 0.0, 0.0, 0.0], [np.cos(0.4), np.sin(0.4), 0.0, 0.0]])},
+     "start rotation of limb beyond its swing and twist limits .* is 0.3"),
+])
+def test_a_start_beyond_a_limit_is_refused_by_name(joint: Joint, changed: dict[str, np.ndarray], says: str) -> None:
+    limb = Link("limb", "root", joint, BALL, solid(BALL, 1.0), anchor=(0.0, 0.0, 0.5))
     avatar = Avatar("a", (Link("root", None, Free(), BALL, solid(BALL, 1.0)), limb))
-    start = replace(rest((avatar,)), angles=np.array([1.5]))
-    with pytest.raises(InvalidScene, match=r"start angle of a hinge of limb \[rad\] is 1.5; valid: 0.2 to 1"):
-        AvatarsimEngine().load(Scene("s", avatars=(avatar,), start=start), Settings(), DT)
-
-
-def test_a_start_beyond_a_swing_limit_is_refused_by_name() -> None:
-    limits = SwingTwist((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), 0.5, (-0.5, 0.5))
-    limb = Link("limb", "root", Ball(limits), BALL, solid(BALL, 1.0), anchor=(0.0, 0.0, 0.5))
-    avatar = Avatar("a", (Link("root", None, Free(), BALL, solid(BALL, 1.0)), limb))
-    turned = np.array([[1.0, 0.0, 0.0, 0.0], [np.cos(0.4), np.sin(0.4), 0.0, 0.0]])
-    with pytest.raises(InvalidScene, match="start rotation of limb beyond its swing and twist limits .* is 0.3"):
-        AvatarsimEngine().load(Scene("s", avatars=(avatar,), start=replace(rest((avatar,)), rotations=turned)), Settings(), DT)
+    start: Any = replace(rest((avatar,)), **changed)  # type: ignore[arg-type]
+    with pytest.raises(InvalidScene, match=says):
+        loaded(Scene("s", avatars=(avatar,), start=start))

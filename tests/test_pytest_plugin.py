@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[1]
-BOX = """<mujoco><worldbody><geom name="ground" type="plane" size="5 5 .1"/>
-<body name="a" pos="0 0 0.3"><freejoint/><geom type="box" size=".1 .1 .1" mass="1"/></body></worldbody></mujoco>"""
+from tests.test_comparing import BOX, ROOT
+
 TESTS = """
 QUICK = {"engines": ["avatarsim", "tracker"], "options": ("--frames", "30", "--jobs", "0")}
 
@@ -49,7 +48,7 @@ def test_one_passes_and_one_fails_as_it_should(repository: Path) -> None:
     assert code == 1 and "1 failed, 1 passed" in said and "test_too_much" in said
 
 
-def test_the_gate_on_drift_writes_compares_and_fails_with_a_table(repository: Path) -> None:
+def test_the_gate_on_drift_writes_compares_and_fails(repository: Path) -> None:
     file = repository / "tests" / "box.drift.json"
     code, said = asked(repository, "-k", "drift")
     assert code == 1 and "InvalidFile" in said and not file.exists()

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from avatarsim.settings import Chosen
 from avatarsim.simulator import AvatarsimEngine
 from tests.stability.hostile import DT
 from tests.worlds.little_worlds import at
+from tests.worlds.loaded import loaded
 
 TOGETHER = part_scene("together")[0]
 PRESETS = ("default", "paper")
@@ -52,7 +54,7 @@ def leaves(value: object, seen: dict[int, bytes]) -> dict[int, bytes]:
     return seen
 
 
-def state(parts: tuple[object, ...]) -> list[tuple[dict[str, int], dict[int, bytes], dict[str, object]]]:
+def state(parts: tuple[Any, ...]) -> list[Any]:
     """Return for every part which object each attribute is, the bits of its arrays, its plain numbers."""
     found = []
     for part in parts:
@@ -65,7 +67,7 @@ def state(parts: tuple[object, ...]) -> list[tuple[dict[str, int], dict[int, byt
 
 
 @pytest.mark.parametrize(("name", "preset"), CASES)
-def test_a_frame_run_again_and_again_is_undone_by_what_it_changed_first(name: str, preset: str) -> None:
+def test_a_frame_is_undone_by_what_it_changed_first(name: str, preset: str) -> None:
     """At load, and amid contacts: the same frame changes the same words, whatever ran before."""
     frames = Frames(build(SCENES[name]), preset, Chosen(), 3, record=True, time_stages=True)
     for sample in lively(SCENES[name], 22):
@@ -100,8 +102,7 @@ def test_only_what_changed_is_written_again() -> None:
 def test_what_is_shown_does_not_know_of_the_rehearsal(name: str, preset: str) -> None:
     """Frames that were never rehearsed, compared with an engine that has been loaded."""
     scene = SCENES[name]
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(preset, seed=3, record_inside=True), DT)
+    engine = loaded(scene, preset, seed=3, record_inside=True)
     alone = Frames(build(scene), preset, Chosen(), 3, record=True, time_stages=False)
     for sample in lively(scene, 40):
         record = engine.advance(sample, DT)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,7 +30,7 @@ from tests.worlds.little_worlds import at
 from tests.worlds.loaded import loaded
 from tests.worlds.traps import limbed, pocket
 
-FRAMES = 1000
+FRAMES = 400
 """Frames after a snapshot that have to be the same."""
 
 BALL, BRICK, FIST = (Piece(Sphere(0.05)),), (Piece(Box((0.1, 0.08, 0.06))),), (Piece(Sphere(0.04)),)
@@ -97,7 +98,7 @@ class Case:
     method: str = "default"
     options: Mapping[str, float] = field(default_factory=dict)
 
-    def engine(self, **settings: object) -> AvatarsimEngine:
+    def engine(self, **settings: Any) -> AvatarsimEngine:
         """Return an engine that has loaded the scene."""
         return loaded(self.scene, self.method, options=self.options, **settings)
 
@@ -133,7 +134,7 @@ def run_up(case: Case, engine: AvatarsimEngine) -> tuple[list[FrameRecord], dict
 
 
 @pytest.mark.parametrize("name", list(cases()))
-def test_a_thousand_frames_after_a_snapshot_are_the_same_to_the_bit(name: str) -> None:
+def test_frames_after_a_snapshot_are_the_same_to_the_bit(name: str) -> None:
     """In an engine that has been elsewhere, had another seed, and records."""
     case = cases()[name]
     one, other = case.engine(), case.engine(seed=9, record_inside=True)
@@ -184,7 +185,7 @@ def _taken() -> tuple[AvatarsimEngine, bytes]:
     return engine, data
 
 
-def refused(engine: AvatarsimEngine, data: object, match: str) -> None:
+def refused(engine: AvatarsimEngine, data: Any, match: str) -> None:
     """Check that the engine refuses the bytes, and is unchanged."""
     before = engine.snapshot()
     with pytest.raises(InvalidSnapshot, match=match):
@@ -213,12 +214,11 @@ def test_damage_is_found_wherever_it_is(taken: tuple[AvatarsimEngine, bytes]) ->
     for place in range(0, len(data), len(data) // 150):
         damaged = bytearray(data)
         damaged[place] ^= 0x10
-        with pytest.raises(InvalidSnapshot):
-            engine.restore(damaged)
-        with pytest.raises(InvalidSnapshot):
-            engine.restore(data[:place])
+        for other in (bytes(damaged), data[:place]):
+            with pytest.raises(InvalidSnapshot):
+                engine.restore(other)
     refused(engine, data + b"\0", "checksum")
-    assert engine.restore(memoryview(data)).shown.time == pytest.approx(20 * DT)
+    assert engine.restore(memoryview(data)).shown.time == pytest.approx(20 * DT)  # type: ignore[arg-type]
 
 
 def test_a_snapshot_is_of_one_scene_with_one_set_of_options(taken: tuple[AvatarsimEngine, bytes]) -> None:
@@ -229,7 +229,7 @@ def test_a_snapshot_is_of_one_scene_with_one_set_of_options(taken: tuple[Avatars
     refused(loaded(heap(), "paper"), data, "digest of the settings of the snapshot")
 
 
-def test_where_the_avatar_began_and_what_is_recorded_are_no_part_of_it(taken: tuple[AvatarsimEngine, bytes]) -> None:
+def test_start_and_recording_are_no_part_of_a_snapshot(taken: tuple[AvatarsimEngine, bytes]) -> None:
     hand = heap().avatars
     elsewhere = replace(heap(), start=at(rest(hand), (-1.0, 0.4, 0.3)))
     assert loaded(elsewhere, record_inside=True, time_stages=True, seed=4).restore(taken[1]).shown.time > 0.0
@@ -242,7 +242,7 @@ def resealed(data: bytes, body: bytes, size: int | None = None) -> bytes:
     return whole + hashlib.blake2b(whole, digest_size=DIGEST).digest()
 
 
-def test_arrays_of_another_size_are_refused_before_they_are_unpacked(taken: tuple[AvatarsimEngine, bytes]) -> None:
+def test_arrays_of_another_size_are_refused(taken: tuple[AvatarsimEngine, bytes]) -> None:
     engine, data = taken
     body = zlib.decompress(data[HEAD.size : -DIGEST])
     refused(engine, resealed(data, body + bytes(8)), "size of the snapshot's arrays")

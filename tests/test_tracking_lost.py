@@ -7,7 +7,8 @@ import pytest
 
 from avatarsim.errors import InvalidSample
 from avatarsim.many_worlds import advance_many
-from avatarsim.scene.body import fixed, simulated, solid
+from avatarsim.scene.avatar import Avatar
+from avatarsim.scene.body import Body, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
@@ -20,16 +21,16 @@ FLOOR = fixed("floor", (Piece(Box((4.0, 4.0, 0.1))),), "wood", (0.0, 0.0, -0.05)
 LOST, FASTEST = 20, PostureSettings().catch_up_move
 
 
-def user(avatar: object, x: float, z: float = 0.5) -> TrackerSample:
+def user(avatar: Avatar, x: float, z: float = 0.5) -> TrackerSample:
     return at(rest((avatar,)), (x, 0.0, z))
 
 
-def scene(avatar: object, *loose: object) -> Scene:
+def scene(avatar: Avatar, *loose: Body) -> Scene:
     return Scene("lost", (FLOOR, *loose), (avatar,), start=user(avatar, 0.0), gravity=(0.0, 0.0, 0.0))
 
 
 @pytest.mark.parametrize("avatar", [hand(BALL), mixed_avatar()])
-def test_an_avatar_stays_while_tracking_is_lost_and_comes_back_within_its_budget(avatar: object) -> None:
+def test_an_avatar_stays_while_lost_and_returns_in_its_budget(avatar: Avatar) -> None:
     engine = loaded(scene(avatar))
     for _ in range(5):
         held = engine.advance(user(avatar, 0.0), DT)
@@ -57,7 +58,7 @@ def test_an_avatar_in_contact_stays_in_contact() -> None:
     assert engine.posture().positions[0] == pytest.approx(held, abs=1e-4)
 
 
-def test_a_loose_body_on_the_way_is_not_struck_by_the_jump_of_a_tracker() -> None:
+def test_a_tracker_that_jumps_after_a_loss_strikes_nothing() -> None:
     avatar = hand(BALL)
     ball = simulated("ball", BALL, "wood", solid(BALL, 0.2), (0.6, 0.0, 0.5))
     speeds = []

@@ -65,7 +65,7 @@ def test_the_table_of_depths_is_found_in_any_order() -> None:
 
 
 @given(st.integers(0, 10**6), st.sampled_from(range(len(SHAPES))))
-def test_between_two_postures_that_are_proved_no_pair_is_deeper_than_it_may_be(seed: int, kind: int) -> None:
+def test_on_a_proved_way_no_pair_is_deeper_than_it_may_be(seed: int, kind: int) -> None:
     rng = np.random.default_rng(seed)
     home = depth_by_directions(jointed(SHAPES[kind]), [bent(np.zeros(5))])
     avatar = jointed(SHAPES[kind], allowed=home + 2e-4)
@@ -82,7 +82,7 @@ def test_between_two_postures_that_are_proved_no_pair_is_deeper_than_it_may_be(s
 
 
 @pytest.mark.parametrize("kind", range(len(SHAPES)))
-def test_a_joint_that_drives_links_into_each_other_stops_at_the_depth_of_home(kind: int) -> None:
+def test_a_joint_stops_links_at_the_depth_of_home(kind: int) -> None:
     home = depth_by_directions(jointed(SHAPES[kind]), [bent(np.zeros(5))])
     avatar = jointed(SHAPES[kind], allowed=home + 2e-4)
     into = np.array([0.0, -0.3, 0.0, 0.3, 0.0])

@@ -67,7 +67,7 @@ def test_swept_boxes_hold_both_ends_of_every_vertex(seed: int, far: float) -> No
 
 
 @given(st.lists(st.tuples(st.integers(0, 10**6), st.floats(0.0, 0.5), st.booleans()), min_size=1, max_size=5))
-def test_the_list_of_near_bodies_misses_none_that_the_step_could_meet(steps: list[tuple[int, float, bool]]) -> None:
+def test_the_list_of_near_bodies_misses_none_in_reach(steps: list[tuple[int, float, bool]]) -> None:
     """Listed once, it serves until the avatar leaves the box that it was made for or a body moves."""
     s, state, skel = AMONG.working, AMONG.state, AMONG.world.skeleton
     forget_near(state)
@@ -113,7 +113,7 @@ def same(found: Solver) -> list[bool]:
     return told
 
 
-def test_what_has_moved_is_taken_over_once_and_what_is_not_named_is_not_looked_at() -> None:
+def test_moved_bodies_are_taken_over_once_if_named() -> None:
     bodies = block("one", (2.0, 0.0, 0.0), (1.0, 1.0, 1.0)), block("other", (4.0, 0.0, 0.0), (1.0, 1.0, 1.0))
     found = solver_of(Scene("s", bodies, (hand(),)))
     assert not noticed(found, NOT_KNOWN)

@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from avatarsim.cleaning.chords import Chords
-from avatarsim.cleaning.track import between
 from avatarsim.ik.chord import DEPTH, common_ancestors
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, fixed, solid
@@ -16,7 +15,7 @@ from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Sphere, ellipsoid_hull
-from avatarsim.scene.tracker import TrackerSample, link_poses, rest
+from avatarsim.scene.tracker import TrackerSample, between, link_poses, rest
 from avatarsim.spatial import rotation
 from tests.worlds.little_worlds import X, Y, at, hand, sliding_avatar
 
@@ -58,6 +57,7 @@ def scene_with(avatar: Avatar, bodies: tuple[Body, ...]) -> Scene:
     return Scene("ways", bodies, (avatar,), start=at(rest((avatar,)), (0.0, 0.0, 9.0)))
 
 
+@settings(max_examples=25)
 @given(st.integers(0, 10**6), st.sampled_from((0.02, 0.1, 0.4)))
 def test_what_is_proved_is_free_at_a_thousand_places(seed: int, size: float) -> None:
     rng = np.random.default_rng(seed)
@@ -104,6 +104,7 @@ def test_the_bound_of_one_hinge_is_reached(turn: float) -> None:
     assert chords.parts.bend.max() == pytest.approx(1.0 * (2.0 * turn) ** 2)
 
 
+@settings(max_examples=30)
 @given(st.integers(0, 10**6))
 def test_a_gap_that_is_asked_for_is_kept(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -132,7 +133,7 @@ def turned(avatar: Avatar, angle: float) -> TrackerSample:
 
 
 @pytest.mark.parametrize("turn", [0.1, 0.5, 1.5])
-def test_a_rod_that_bulges_into_a_plate_between_its_ends_is_found(turn: float) -> None:
+def test_a_rod_that_bulges_into_a_plate_is_found(turn: float) -> None:
     """Both ends of the way are free by the same gap; only the arc between is not."""
     avatar = arm()
     reach = np.cos(turn) + 0.011
@@ -190,7 +191,7 @@ def test_a_share_of_a_way_is_where_a_motion_has_it() -> None:
         assert np.allclose(one.positions, other.positions, atol=1e-12) and np.allclose(one.angles, other.angles, atol=1e-12)
 
 
-def test_a_ball_turned_by_half_a_circle_is_followed_the_short_way() -> None:
+def test_a_ball_turns_the_short_way() -> None:
     """An arm on a ball sweeps through a post in its way."""
     rod = (Piece(Capsule(0.02, 0.4), (0.0, 0.0, 0.3)),)
     ball = (Piece(Sphere(0.02)),)

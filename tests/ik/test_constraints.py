@@ -58,7 +58,7 @@ def listed(found: Solver, pairs: list[tuple[int, int]], is_soft: bool = False) -
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_a_row_is_how_the_gap_changes_with_every_degree_of_both_avatars(seed: int) -> None:
+def test_a_row_is_the_slope_of_the_gap_in_every_degree(seed: int) -> None:
     found, pairs = before_a_panel(seed)
     listed(found, pairs)
     rows, h, nd = found.working.rows, 1e-6, len(found.avatars.joint_of)
@@ -83,7 +83,7 @@ def test_a_row_is_how_the_gap_changes_with_every_degree_of_both_avatars(seed: in
         assert rows.bound[k] == pytest.approx(min(SETTINGS.stand_off, gap) - gap, abs=1e-9), "it may come as near as stand_off"
 
 
-def test_a_pair_that_is_nearer_than_the_stand_off_may_stay_there_and_a_squeezed_one_is_asked_to_part() -> None:
+def test_a_near_pair_may_stay_and_a_squeezed_one_must_part() -> None:
     for gap, soft, wanted in ((1.5e-4, False, 0.0), (0.6e-4, False, 1.4e-4), (0.6e-4, True, 0.0)):
         found, pairs = before_a_panel(1)
         posture = found.world.posture
@@ -93,7 +93,7 @@ def test_a_pair_that_is_nearer_than_the_stand_off_may_stay_there_and_a_squeezed_
         assert found.working.rows.bound[0] == pytest.approx(wanted, abs=1e-9)
 
 
-def test_contacts_that_press_are_kept_and_others_forgotten_after_a_few_steps() -> None:
+def test_pressing_contacts_are_kept_and_others_forgotten() -> None:
     found, pairs = before_a_panel(2)
     w = found.world
     listed(found, pairs)

@@ -28,9 +28,7 @@ def spring(way: float, omega: float, times: list[float]) -> list[float]:
 
 @given(st.floats(0.005, 0.2), st.floats(10.0, 80.0), st.lists(st.floats(1 / 120, 1 / 50), min_size=5, max_size=40))
 @settings(max_examples=30)
-def test_what_is_off_comes_back_as_a_critically_damped_spring_and_the_users_motion_is_followed(
-    off: float, omega: float, times: list[float]
-) -> None:
+def test_an_offset_returns_as_a_critically_damped_spring(off: float, omega: float, times: list[float]) -> None:
     """The user of a hand moves along y all the while; only the hand's offset along x takes time."""
     scene = hand_scene((0.0, 0.0, 0.0))
     user, seen, clock = scene.first_sample, [], 0.0

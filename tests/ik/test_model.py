@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from avatarsim.ik.kinematics import parts_of, tangent_error, try_step
 from avatarsim.ik.objective import LOSS_RADIUS, model, value_of
-from avatarsim.model.skeleton import BALL, FREE, SLIDE
+from avatarsim.model.skeleton import BALL, FREE, SLIDE, Posture
 from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
 from tests.ik.solvers import TREES, Solver, apart, copied, metric_of, point_rates, random_posture, solver_of
@@ -32,7 +32,7 @@ def tried(found: Solver, step: np.ndarray) -> np.ndarray:
     return found.working.trial.vertices.copy()
 
 
-def differences(found: Solver, start: object, end: object) -> np.ndarray:
+def differences(found: Solver, start: Posture, end: Posture) -> np.ndarray:
     """Return the tangent error of all avatars."""
     error = np.full(len(found.avatars.joint_of), np.nan)
     for avatar in range(found.count):
@@ -69,7 +69,7 @@ def test_axes_are_how_points_move(seed: int) -> None:
 
 
 @given(st.integers(0, 10**6), st.floats(0.01, 1.0))
-def test_a_step_leads_where_its_trial_was_and_its_tangent_error_is_the_step(seed: int, by: float) -> None:
+def test_a_step_leads_to_its_trial_and_its_error_is_the_step(seed: int, by: float) -> None:
     found = at_random(seed)
     limits, posture = found.world.skeleton.limits, copied(found.world.posture)
     step = np.random.default_rng(seed).normal(0.0, by, len(found.avatars.joint_of))
@@ -88,7 +88,7 @@ def test_a_step_leads_where_its_trial_was_and_its_tangent_error_is_the_step(seed
     assert found.world.poses.vertices == pytest.approx(vertices, abs=1e-12)
 
 
-def test_rotations_stay_rotations_and_hinges_within_limits_over_many_steps() -> None:
+def test_many_steps_keep_rotations_and_hinge_limits() -> None:
     found, rng = at_random(1), np.random.default_rng(0)
     limits = found.world.skeleton.limits
     for _ in range(300):
@@ -180,7 +180,7 @@ def test_the_gradient_is_that_of_the_value(seed: int, by: float) -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("by", [NEAR, FAR])
-def test_the_metric_is_gauss_newtons_and_more_only_where_links_turn(seed: int, by: float) -> None:
+def test_the_metric_exceeds_gauss_newtons_only_where_links_turn(seed: int, by: float) -> None:
     """The excess over Gauss and Newton's matrix, dense, comes from bending: nothing of translations, and nothing negative."""
     found = modelled(seed, by)
     r = distances(found, found.working.objective.aim)
@@ -213,7 +213,7 @@ def test_the_model_lies_above_the_lagrangian_to_second_order(seed: int, by: floa
 
 
 @pytest.mark.parametrize("by", [0.0, 0.3])
-def test_a_target_far_beyond_pulls_no_harder_than_one_at_the_loss_radius(by: float) -> None:
+def test_a_far_target_pulls_as_one_at_the_loss_radius(by: float) -> None:
     """A root that is 3 m off is drawn near, with all its origins, so that its posture is followed as if it were near."""
     pulls, turns = [], np.random.default_rng(2).normal(0.0, by, len(FOUND.avatars.joint_of))
     for far in (0.2, 3.0, 300.0):
@@ -230,7 +230,7 @@ def test_a_target_far_beyond_pulls_no_harder_than_one_at_the_loss_radius(by: flo
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_parts_of_a_step_are_the_norms_of_its_ways_and_of_each_joint(seed: int) -> None:
+def test_parts_of_a_step_are_norms_of_its_ways_and_joints(seed: int) -> None:
     found = at_random(seed)
     skel, step = found.world.skeleton, np.random.default_rng(seed).normal(size=len(found.avatars.joint_of))
     for link in range(len(skel.kind)):

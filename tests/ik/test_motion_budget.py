@@ -25,7 +25,7 @@ def opened(speed: float, clipped: np.ndarray, own: np.ndarray) -> Solver:
 
 
 @given(st.integers(0, 10**6), st.floats(0.0, 1.0))
-def test_it_is_the_targets_own_motion_and_a_share_of_the_catch_up_speed(seed: int, speed: float) -> None:
+def test_a_budget_is_own_motion_and_a_share_of_catch_up_speed(seed: int, speed: float) -> None:
     rng = np.random.default_rng(seed)
     clipped, own = rng.normal(size=ND), rng.normal(size=ND)
     followed = clipped.copy()
@@ -66,12 +66,12 @@ def test_what_is_within_the_budget_is_taken_whole(seed: int) -> None:
     step = rng.normal(size=ND)
     found, kept = opened(0.0, step, step), step.copy()
     for avatar in range(found.count):
-        keep_budget(found.world.skeleton, found.avatars, avatar, found.state.budget, 0.0, kept)
+        keep_budget(found.world.skeleton, found.avatars, avatar, found.state.budget, False, kept)
     assert (kept == step).all()
 
 
 @given(st.integers(0, 10**6))
-def test_bounds_are_what_is_left_and_the_limits_of_hinges_and_always_let_stand_still(seed: int) -> None:
+def test_bounds_are_the_budget_left_and_hinge_limits(seed: int) -> None:
     rng = np.random.default_rng(seed)
     found = opened(1.0, 0.2 * rng.normal(size=ND), 0.2 * rng.normal(size=ND))
     found.take(random_posture(found, seed))

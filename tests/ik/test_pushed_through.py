@@ -5,6 +5,7 @@ Longer by hand: python -m tests.ik.test_pushed_through --pushes 2000.
 
 import argparse
 import sys
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -32,7 +33,7 @@ PATIENCE = 2 + int(SETTINGS.stall_time / DT)
 """Frames after which a waiting avatar must report it."""
 
 TABLES = {"thin": (1.0, 1.0, 0.05), "small": (0.4, 0.3, 0.02), "thick": (2.0, 1.2, 0.1)}
-SHAPES = {
+SHAPES: dict[str, Callable[[float], Shape]] = {
     "sphere": lambda size: Sphere(size),
     "box": lambda size: Box((6.0 * size, 5.0 * size, 2.0 * size)),
     "hull": lambda size: ellipsoid_hull((3.3 * size, 2.7 * size, size)),
@@ -96,7 +97,7 @@ def test_so_does_any_palm_on_any_table() -> None:
 
 @pytest.mark.parametrize("around", [0, 1, 2])
 @pytest.mark.parametrize("gap", [0.0, 1e-12, 1e-7, 2e-3])
-def test_a_target_on_the_far_side_is_led_to_only_if_that_is_asked_for(gap: float, around: int) -> None:
+def test_leads_to_the_far_side_only_if_asked_for(gap: float, around: int) -> None:
     table = block("table", (0.0, 0.0, 0.0), (0.05, 0.3, 0.3))
     go = ride(Scene("s", (table,), (hand(),), start=at(rest((hand(),)), (-0.3, 0.0, 0.0))), around=around)
     led = sum(go.frame(at(go.scene.first_sample, (0.025 + 0.05 + gap, 0.0, 0.0))).counts["following"] for _ in range(240))

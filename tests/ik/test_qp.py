@@ -128,9 +128,9 @@ def within_budgets(found: Solver, left: float) -> Array:
     return np.asarray(got.x)
 
 
-@pytest.mark.parametrize("seed", range(22))
+@pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("left", [0.02, 0.15])
-def test_a_step_within_budgets_is_as_good_as_the_best_that_keeps_them(seed: int, left: float) -> None:
+def test_a_step_within_budgets_is_as_good_as_scipys(seed: int, left: float) -> None:
     """And better, where it uses its allowance beyond them."""
     found, _, _ = asked(seed, 0)
     found.state.budget.turn[:], found.state.budget.move[:], found.state.budget.slack[:] = left, left, 0.15 * left
@@ -139,7 +139,7 @@ def test_a_step_within_budgets_is_as_good_as_the_best_that_keeps_them(seed: int,
 
 
 @given(st.integers(0, 10**6), st.floats(0.005, 0.2))
-def test_budgets_are_kept_in_every_direction_and_only_what_they_hold_back_is_given_up(seed: int, left: float) -> None:
+def test_budgets_are_kept_in_every_direction_and_cost_no_more(seed: int, left: float) -> None:
     """Together with contacts: no joint or root goes farther than its budget and its slack, and the step costs no more than
     any that keeps the budgets themselves, of which scaled copies of the solution without budgets are some."""
     found, rows, bound = asked(seed, 2)
@@ -184,7 +184,7 @@ def test_the_same_row_many_times_is_shared_and_solved() -> None:
     assert solved(found) == pytest.approx(wanted, abs=1e-5)
 
 
-def test_rows_that_contradict_each_other_end_in_finite_numbers_inside_the_bounds() -> None:
+def test_contradicting_rows_end_in_finite_numbers() -> None:
     found, rows, _ = asked(8, 2)
     r = found.working.rows
     r.owner[1], r.jacobian[0], r.jacobian[1], r.bound[:2] = r.owner[0], rows[0], -rows[0], 1.0
@@ -244,7 +244,7 @@ def test_from_anywhere_it_comes_to_the_least_distance(seed: int, m: int, is_warm
     assert found.residual[:m] == pytest.approx(rows @ wanted - bound, abs=1e-6), "residuals are kept up to date"
 
 
-def test_conditions_that_cannot_all_be_met_leave_the_multipliers_as_they_were() -> None:
+def test_infeasible_rows_leave_the_multipliers_as_they_were() -> None:
     rows = np.array([[1.0, 0.0], [-1.0, 0.0]])
     begin = np.array([0.25, 0.0])
     found = rows_of(rows, np.array([1.0, 1.0]), begin)
@@ -252,7 +252,7 @@ def test_conditions_that_cannot_all_be_met_leave_the_multipliers_as_they_were() 
     assert (found.multiplier[:2] == begin).all() and (found.multiplier[:2] < MOST_PRESSED).all()
 
 
-def test_more_active_rows_than_there_is_room_for_are_left_to_the_sweeps() -> None:
+def test_too_many_active_rows_are_left_to_the_sweeps() -> None:
     m = ACTIVE_CAP + 1
     begin = np.full(m, 0.5)
     found = rows_of(np.eye(m), np.ones(m), begin)

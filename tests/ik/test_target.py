@@ -38,7 +38,7 @@ def met(found: Solver, tracker: Posture, has_changed: bool = False) -> np.ndarra
 
 
 @given(st.integers(0, 10**6))
-def test_it_is_inside_the_limits_and_where_the_tracker_keeps_them_the_trackers(seed: int) -> None:
+def test_a_target_is_the_trackers_where_that_is_within_limits(seed: int) -> None:
     found = solver_of(TREES)
     skel = found.world.skeleton
     tracker = posture_of(skel, found.world.hinges, random_sample(TREES.avatars, seed))
@@ -62,7 +62,7 @@ def test_it_is_inside_the_limits_and_where_the_tracker_keeps_them_the_trackers(s
     assert again.turn == pytest.approx(target.turn, abs=1e-12) and (again.angle == target.angle).all()
 
 
-def test_a_target_that_rests_opens_less_and_less_and_one_that_moves_all_of_it() -> None:
+def test_a_resting_target_opens_less_and_less() -> None:
     found = solver_of(TREES)
     start = copied(found.world.posture)
     gone = copied(start)
@@ -78,7 +78,7 @@ def test_a_target_that_rests_opens_less_and_less_and_one_that_moves_all_of_it() 
     assert met(found, gone, has_changed=True) == pytest.approx(whole), "what moved may have set an avatar free"
 
 
-def test_a_target_that_moves_lets_those_go_on_that_touch_its_avatar_and_no_others() -> None:
+def test_a_moving_target_frees_those_that_touch_its_avatar() -> None:
     """It may free avatars that its avatar held; one far away has nothing to do with it."""
     found = solver_of(TREES)
     first = found.avatars.first_link[:-1].tolist()
@@ -88,14 +88,15 @@ def test_a_target_that_moves_lets_those_go_on_that_touch_its_avatar_and_no_other
     gone.root[0, 0] += 0.01
     assert met(found, gone)[first] == pytest.approx([whole, 0.0, 0.0])
     geo, skel = found.world.geometry, found.world.skeleton
-    touch(*(int(geo.first_shape[skel.first + link]) for link in first[:2]), found.state.touching)
+    one, other = (int(geo.first_shape[skel.first + link]) for link in first[:2])
+    touch(one, other, found.state.touching)
     gone.root[0, 0] += 0.01
     assert met(found, gone)[first] == pytest.approx([whole, whole, 0.0])
     found.state.touching.used[0] = 0
     assert met(found, gone)[first] == pytest.approx([whole, whole, 0.0]), "set free, it goes on"
 
 
-def test_a_target_beyond_a_cone_opens_no_more_than_the_tracker_turned() -> None:
+def test_a_target_beyond_a_cone_opens_what_the_tracker_turned() -> None:
     """Where a small turn of the tracker sends the clipped target round the cone, the smaller of both counts."""
     rng = np.random.default_rng(2)
     whole = SETTINGS.catch_up_turn * DT
@@ -148,7 +149,7 @@ def test_as_many_pairs_as_are_looked_at_are_all_remembered(pairs: set[tuple[int,
         assert axis_at(cache, slot_of(cache, *pair)) == (float(k), 0.0, 1.0)
 
 
-def test_a_pair_that_is_asked_for_in_every_step_is_never_forgotten() -> None:
+def test_a_pair_used_in_every_step_is_never_forgotten() -> None:
     cache, rng = make_pair_cache(1, PIECES), np.random.default_rng(1)
     keep_axis(cache, slot_of(cache, 3, 7), (0.0, 0.0, 1.0))
     for step in range(500):
@@ -157,7 +158,7 @@ def test_a_pair_that_is_asked_for_in_every_step_is_never_forgotten() -> None:
         assert axis_at(cache, slot_of(cache, 3, 7)) == (0.0, 0.0, 1.0)
 
 
-def test_of_a_full_neighbourhood_the_pair_unused_for_longest_is_given_up() -> None:
+def test_the_pair_unused_for_longest_is_given_up() -> None:
     cache, rng = make_pair_cache(1, PIECES), np.random.default_rng(0)
     for step in range(200):
         cache.step[0] = step

@@ -92,8 +92,8 @@ def test_a_rate_that_is_none_is_refused(rate: float) -> None:
 def test_a_scene_begins_where_it_was_shown() -> None:
     world = driven(70)
     again = World(replace(plan(), scene=scene_at(world.scene, world.shown)))
-    np.testing.assert_allclose(again.shown.shown.positions, world.shown.shown.positions, atol=1e-12)
-    np.testing.assert_allclose(again.shown.shown.orientations, world.shown.shown.orientations, atol=1e-12)
+    for name in ("positions", "orientations"):
+        np.testing.assert_allclose(getattr(again.shown.shown, name), getattr(world.shown.shown, name), atol=1e-12)
     np.testing.assert_allclose(again.shown.angles, world.shown.angles)
 
 

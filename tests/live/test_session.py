@@ -28,7 +28,7 @@ PATIENCE = 60.0
 
 @pytest.fixture(scope="module")
 def session() -> Iterator[Session]:
-    """Yield one session of two loops, for all tests of this file that end nothing."""
+    """Yield one session of two loops; the last test of this file ends them."""
     with Session([plan(), replace(plan(), name="other")]) as one:
         yield one
 
@@ -83,7 +83,7 @@ def test_a_pause_holds_and_a_step_is_one_frame(session: Session) -> None:
     held = session.first.look()
     time.sleep(0.1)
     again = session.first.look()
-    assert again is not None and again.frame == held.frame
+    assert held is not None and again is not None and again.frame == held.frame
     session.command(Order.STEP)
     end = time.monotonic() + PATIENCE
     while (one := session.first.look()) is not None and one.frame == held.frame and time.monotonic() < end:
@@ -151,26 +151,25 @@ def test_a_mug_in_the_house_is_dragged_to_taken_and_lifted() -> None:
                 one.send(driver.tick(1.0 / RATE))
             return state
 
-        pull(first + (-0.08, 0.0, 0.05), lambda state: np.linalg.norm(state.positions[scene.names.index(hand)] - first) < 0.11)
+        wrist = scene.names.index(hand)
+        pull(first + (-0.08, 0.0, 0.05), lambda state: float(np.linalg.norm(state.positions[wrist] - first)) < 0.11)
         while one.command(Order.TAKE)["avatarsim"].told != "took mug" and time.monotonic() < end:
             one.send(driver.tick(1.0 / RATE))
-        lifted = pull(first + (-0.2, 0.05, 0.4), lambda state: state.positions[at][2] > first[2] + 0.3)
+        lifted = pull(first + (-0.2, 0.05, 0.4), lambda state: bool(state.positions[at][2] > first[2] + 0.3))
         assert lifted.positions[at][2] > first[2] + 0.3
         shown = one.first.window.states()
     poses = (np.array([getattr(state, name) for state in shown]) for name in ("positions", "orientations"))
     assert Judge(scene).depths(*poses).max() <= JUDGED
 
 
-def test_a_loop_beside_that_dies_is_left_out_and_the_driven_one_ends_all() -> None:
-    with Session([plan(), replace(plan(), name="other")]) as one:
-        until(one, 2)
-        one.loops["other"]._process.kill()
-        end = time.monotonic() + PATIENCE
-        while "other" in one.loops and time.monotonic() < end:
-            one.look()
-            time.sleep(0.01)
-        assert list(one.loops) == ["avatarsim"]
-        until(one, 2)
-        one.first._process.kill()
-        with pytest.raises(LoopDied, match="avatarsim was killed by signal 9"):
-            until(one, 10**6)
+def test_a_dead_loop_is_left_out_and_the_driven_one_ends_all(session: Session) -> None:
+    session.loops["other"]._process.kill()
+    end = time.monotonic() + PATIENCE
+    while "other" in session.loops and time.monotonic() < end:
+        session.look()
+        time.sleep(0.01)
+    assert list(session.loops) == ["avatarsim"]
+    until(session, 2)
+    session.first._process.kill()
+    with pytest.raises(LoopDied, match="avatarsim was killed by signal 9"):
+        until(session, 10**6)

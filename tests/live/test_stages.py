@@ -63,7 +63,7 @@ def test_the_human_stands_on_the_floor_with_its_arms_down() -> None:
     assert all(isinstance(link.joint, Ball) and link.joint.limits for link in scene.links[1:] if "collar" not in link.name)
 
 
-def test_an_avatar_of_ones_own_becomes_a_stage_that_can_be_driven() -> None:
+def test_an_avatar_of_ones_own_can_be_driven() -> None:
     stick = rigid_avatar("stick", BALL, solid(BALL, 1.0))
     floor = fixed("floor", (Piece(Box((4.0, 4.0, 0.1))),), "wood", (0.0, 0.0, -0.3))
     own = Stage(Scene("own", (floor,), (stick,)))

@@ -24,11 +24,15 @@ from scenarios import catalog
 DT = 1.0 / 60.0
 
 
-def toys() -> tuple[World, Driver, np.ndarray]:
-    """Return the world of the hand among toys, its driver, and the place of the mug."""
-    scene = stage("toys").scene
-    mug = next(body for body in scene.bodies if body.name == "mug")
-    return World(Plan(OURS, scene, Settings(), 60.0)), Driver(scene), np.array(mug.position)
+def on_stage(name: str) -> tuple[World, Driver]:
+    """Return the world of a built-in stage and its driver."""
+    scene = stage(name).scene
+    return World(Plan(OURS, scene, Settings(), 60.0)), Driver(scene)
+
+
+def deepest(world: World, shown: list[Snapshot]) -> float:
+    """Return the deepest overlap [m] of some states by the judge."""
+    return Judge(world.scene).deepest(np.array([one.positions for one in shown]), np.array([one.orientations for one in shown]))
 
 
 def place_of(world: World, name: str) -> np.ndarray:
@@ -37,7 +41,8 @@ def place_of(world: World, name: str) -> np.ndarray:
 
 
 def test_a_mug_is_taken_by_a_key_carried_and_let_go() -> None:
-    world, driver, at = toys()
+    world, driver = on_stage("toys")
+    at = place_of(world, "mug")
     assert "nothing loose" in world.apply(Command(Order.TAKE))
     for _ in range(60):
         driver.drag("hand/palm", at + (-0.09, 0.0, 0.06))
@@ -90,8 +95,8 @@ def test_recordings_hold_what_was_taken_and_pinched(tmp_path: Path) -> None:
 @pytest.mark.parametrize("seed", [1, 5])
 def test_hands_that_take_at_random_stay_finite_and_free(seed: int) -> None:
     """Bodies attached to several links of one hand meet one another where no joint lets them yield."""
-    random, scene = Random(seed), stage("toys").scene
-    world, driver = World(Plan(OURS, scene, Settings(), 60.0)), Driver(scene)
+    random, (world, driver) = Random(seed), on_stage("toys")
+    scene = world.scene
     loose = [body.name for body in scene.bodies if body.role is Role.SIMULATED]
     links, pulled, shown = scene.names[len(scene.bodies):], "", list[Snapshot]()
     goal = np.zeros(3)
@@ -108,16 +113,14 @@ def test_hands_that_take_at_random_stay_finite_and_free(seed: int) -> None:
             world.apply(Command(Order.TAKE))
         shown.append(world.advance(driver.tick(DT)).shown)
     assert all(np.isfinite(one.velocities).all() for one in shown)
-    depths = Judge(scene).depths(np.array([one.positions for one in shown]), np.array([one.orientations for one in shown]))
-    assert depths.max() <= JUDGED
+    assert deepest(world, shown) <= JUDGED
 
 
 @pytest.mark.parametrize(("name", "seed"), [("hand", 5), ("gallery", 1), ("toys", 3)])
-def test_frames_of_random_drives_into_loose_bodies_come_to_an_end(name: str, seed: int) -> None:
+def test_random_drives_into_loose_bodies_come_to_an_end(name: str, seed: int) -> None:
     """No island is joined and left by others until its segments are spent, and a human that is pressed moves on."""
-    random, scene = np.random.default_rng(seed), stage(name).scene
-    world, driver = World(Plan(OURS, scene, Settings(), 60.0)), Driver(scene)
-    loose = [b for b, body in enumerate(scene.bodies) if body.role is Role.SIMULATED]
+    random, (world, driver) = np.random.default_rng(seed), on_stage(name)
+    loose = [b for b, body in enumerate(world.scene.bodies) if body.role is Role.SIMULATED]
     link, shortened, substeps = "", 0, 0
     for frame in range(300):
         if frame % 45 == 0:
@@ -154,9 +157,8 @@ def test_a_switch_of_the_method_keeps_what_is_held() -> None:
     assert held and world.engine.attached() == held  # type: ignore[attr-defined]
 
 
-def test_a_human_walks_through_the_door_and_the_lift_raises_its_box() -> None:
-    scene = stage("house").scene
-    world, driver = World(Plan(OURS, scene, Settings(), 60.0)), Driver(scene)
+def test_a_human_walks_through_the_door_and_raises_the_lift() -> None:
+    world, driver = on_stage("house")
     for frame in range(540):
         if frame % 10 == 0:
             assert driver.press("i" if frame < 420 else "y") == ""
@@ -168,8 +170,7 @@ def test_a_human_walks_through_the_door_and_the_lift_raises_its_box() -> None:
 
 
 def test_a_human_carries_a_box_through_the_door() -> None:
-    scene = stage("house").scene
-    world, driver, shown = World(Plan(OURS, scene, Settings(), 60.0)), Driver(scene), list[Snapshot]()
+    (world, driver), shown = on_stage("house"), list[Snapshot]()
 
     def drag(link: str, place: tuple[float, float, float], frames: int) -> None:
         for _ in range(frames):
@@ -186,8 +187,7 @@ def test_a_human_carries_a_box_through_the_door() -> None:
             driver.press("i")
         shown.append(world.advance(driver.tick(DT)).shown)
     assert place_of(world, "box")[0] > 1.5 and abs(world.shown.angles[-1]) > 1.0
-    depths = Judge(scene).depths(np.array([one.positions for one in shown]), np.array([one.orientations for one in shown]))
-    assert depths.max() <= JUDGED
+    assert deepest(world, shown) <= JUDGED
 
 
 def test_trackers_tell_of_all_but_moving_bodies() -> None:

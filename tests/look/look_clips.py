@@ -108,7 +108,7 @@ def test_a_clip_plays_and_is_led_by_slider_keys_and_line(folder: Path, opened: t
     quiet(one, page)
 
 
-def test_parts_are_drawn_as_chosen_and_a_free_clip_has_nothing_red(folder: Path, opened: tuple[Browser, str]) -> None:
+def test_parts_are_drawn_as_chosen_and_free_clips_not_red(folder: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
     page = folder / "pages" / "robot.csv.html"
     one.open(page)

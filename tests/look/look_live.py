@@ -7,13 +7,16 @@ Not part of `make test`, which needs no browser: `make look` runs it, and leaves
 import threading
 import time
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from avatarsim.engine import FrameRecord, Settings
+from avatarsim.engine import Settings, Snapshot
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.drive.keys import KEYS
 from avatarsim.live.messages import Order, Plan, State
@@ -122,6 +125,18 @@ def seen(running: Running) -> Iterator[Browser]:
         yield one
 
 
+@contextmanager
+def window_on(running: Running, size: tuple[int, int], rest: float = 0.0, saves: Path | None = None) -> Iterator[Browser]:
+    """Yield another browser that shows a page, some time [s] after it came up; its files go into the folder `saves`."""
+    with browser(*size) as one:
+        if saves is not None:
+            one.downloads(saves)
+        one.visit(running.page.address)
+        one.until(HUD)
+        time.sleep(rest)
+        yield one
+
+
 def quiet(one: Browser, running: Running) -> None:
     """Check that the console has no message of ours, and only the page's own address is requested."""
     assert [error for error in one.errors if not any(known in error for known in OF_LIBRARIES)] == []
@@ -168,7 +183,7 @@ def test_effects_switch_between_two_frames(running: Running, seen: Browser) -> N
     quiet(seen, running)
 
 
-def test_a_hand_is_dragged_through_table_and_wall_and_never_overlaps(running: Running, seen: Browser, folder: Path) -> None:
+def test_a_hand_dragged_through_table_and_wall_never_overlaps(running: Running, seen: Browser, folder: Path) -> None:
     running.page.post(lambda: (running.session.command(Order.RESET), None)[1])
     running.page.post(running.page.driver.reset)
     running.wait(10)
@@ -192,15 +207,11 @@ def test_a_hand_is_dragged_through_table_and_wall_and_never_overlaps(running: Ru
     seen.until("document.body.innerText.includes('Saved as')")
     (path,) = set(folder.glob("*.live")) - set(saved)
     found = read(path)
-    shown = list[tuple[np.ndarray, np.ndarray]]()
-
-    def kept(frame: int, record: FrameRecord) -> None:
-        shown.append((record.shown.positions, record.shown.orientations))
-
-    done = replay(found, kept)
-    assert done.difference is None and done.frames == len(shown) > 60
-    depths = Judge(found.plan.scene).depths(*(np.array(poses) for poses in zip(*shown, strict=True)))
-    assert depths.max() <= 1e-6
+    states = list[Snapshot]()
+    done = replay(found, lambda frame, record: states.append(record.shown))
+    assert done.difference is None and done.frames == len(states) > 60
+    places, turns = (np.array([getattr(one, name) for one in states]) for name in ("positions", "orientations"))
+    assert Judge(found.plan.scene).deepest(places, turns) <= 1e-6
     quiet(seen, running)
 
 
@@ -242,10 +253,7 @@ def test_home_brings_a_camera_back_that_flew_away(running: Running, seen: Browse
 
 
 def test_a_human_pushes_a_door_open_and_the_lift_rises(folder: Path) -> None:
-    with Running("house", folder) as one, browser(1400, 900) as window:
-        window.visit(one.page.address)
-        window.until(HUD)
-        time.sleep(4.0)
+    with Running("house", folder) as one, window_on(one, (1400, 900), 4.0) as window:
         window.picture(SCREENSHOTS / "live-house-start.png")
 
         # not by the browser's keys, which wait for each picture that it draws without a graphics card
@@ -270,10 +278,7 @@ def test_a_human_pushes_a_door_open_and_the_lift_rises(folder: Path) -> None:
 
 def test_the_same_drag_beside_in_mujoco_is_red_there(folder: Path) -> None:
     offered = [plan for plan in installed(stage("hand").scene, 60.0) if plan.name == "mujoco/default"]
-    with Running("hand", folder, offered=offered) as one, browser(1000, 700) as window:
-        window.visit(one.page.address)
-        window.until(HUD)
-        time.sleep(4.0)
+    with Running("hand", folder, offered=offered) as one, window_on(one, (1000, 700), 4.0) as window:
         window.click("mujoco/default")
         window.until("document.querySelectorAll('[data-overlap]').length === 3", 120.0)
         time.sleep(4.0)
@@ -288,11 +293,7 @@ def test_the_same_drag_beside_in_mujoco_is_red_there(folder: Path) -> None:
 
 def test_the_last_seconds_are_an_offline_page(running: Running, folder: Path) -> None:
     running.page.post(lambda: running.page.driver.drag("hand/palm", (-0.05, 0.0, 0.74)))
-    with browser(1000, 800) as one:
-        one.downloads(folder)
-        one.visit(running.page.address)
-        one.until(HUD)
-        time.sleep(3.0)
+    with window_on(running, (1000, 800), 3.0, folder):
         running.page.share(list(running.page.server.get_clients().values())[-1])
         end = time.monotonic() + 60.0
         while not (pages := list(folder.glob("*.html"))) and time.monotonic() < end:
@@ -309,22 +310,20 @@ def test_the_last_seconds_are_an_offline_page(running: Running, folder: Path) ->
         assert other.errors == [] and [one for one in other.requests if not one.startswith(("file:", "data:", "blob:"))] == []
 
 
-def test_six_seconds_are_recorded_however_slowly_the_browser_draws(running: Running, folder: Path) -> None:
-    with browser(500, 400) as one:
-        one.downloads(folder)
-        one.visit(running.page.address)
-        one.until(HUD)
+def test_six_seconds_are_recorded_of_a_slow_browser_too(running: Running, folder: Path) -> None:
+    with window_on(running, (500, 400), saves=folder):
         client = list(running.page.server.get_clients().values())[-1]
         running.page.film(client)
         end = time.monotonic() + 1.5 * share.PATIENCE
         while not (made := list(folder.glob("*.gif"))) and time.monotonic() < end:
             # equal pictures are one in a file, so the hand keeps moving
             place = 0.1 * np.cos(time.monotonic()), 0.0, 0.9
-            running.page.post(lambda place=place: running.page.driver.drag("hand/palm", place))
+            running.page.post(partial(running.page.driver.drag, "hand/palm", place))
             time.sleep(0.2)
         [path] = made
         time.sleep(1.0)
-    with Image.open(path) as film:
+    picture: Any = Image.open(path)
+    with picture as film:
         assert film.n_frames >= 2 and film.size == share.PICTURE[::-1]
 
 
@@ -332,11 +331,8 @@ def test_six_seconds_are_recorded_however_slowly_the_browser_draws(running: Runn
 def test_all_stages_come_up_light_and_dark(name: str, dark: bool, folder: Path) -> None:
     with Running(name, folder, dark) as one:
         for width, height in ((1400, 900), (390, 844)):
-            with browser(width, height) as window:
-                window.visit(one.page.address)
-                window.until(HUD)
-                # the scene fades in
-                time.sleep(4.0)
+            # the scene fades in
+            with window_on(one, (width, height), 4.0) as window:
                 assert window.value("document.documentElement.scrollWidth <= window.innerWidth")
                 shade = "dark" if dark else "light"
                 window.picture(SCREENSHOTS / f"live-{name}-{shade}-{width}.png")
@@ -344,11 +340,9 @@ def test_all_stages_come_up_light_and_dark(name: str, dark: bool, folder: Path) 
 
 
 @pytest.mark.parametrize("size", [(390, 844), (800, 700), (980, 640), (1400, 900)], ids=lambda size: str(size[0]))
-def test_the_numbers_are_never_covered_and_a_phone_begins_with_a_closed_drawer(running: Running, size: tuple[int, int]) -> None:
+def test_numbers_are_never_covered_and_a_phone_begins_closed(running: Running, size: tuple[int, int]) -> None:
     SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-    with browser(*size) as one:
-        one.visit(running.page.address)
-        one.until(HUD)
+    with window_on(running, size) as one:
         # viser's own notice comes
         one.until("!!document.querySelector('.mantine-Notification-root')")
         time.sleep(1.0)

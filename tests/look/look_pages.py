@@ -50,7 +50,7 @@ def test_the_index_draws_all_its_charts(run: Path, opened: tuple[Browser, str]) 
     pages.quiet(one, page)
 
 
-def test_pages_beside_it_are_quiet_and_every_link_leads_somewhere(run: Path, opened: tuple[Browser, str]) -> None:
+def test_pages_beside_it_are_quiet_and_links_lead_somewhere(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
     for page in [*sorted(run.glob("*.html")), pages.scenes(run)[0]]:
         one.open(page)

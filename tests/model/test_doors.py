@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from avatarsim.model.conversion import quaternion, read_sample, write_shown
 from avatarsim.model.skeleton import Posture
 from avatarsim.spatial import rotation
+from tests.model.test_limits import tuples
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 HINGES = np.array([7, 6, 8], dtype=np.int64)
@@ -38,13 +39,13 @@ def test_a_sample_is_read_as_the_plain_functions_read_it(seed: int) -> None:
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 @pytest.mark.parametrize("which", range(3))
-def test_numbers_that_are_not_finite_are_refused_wherever_they_are(which: int, bad: float) -> None:
+def test_refuses_numbers_that_are_not_finite(which: int, bad: float) -> None:
     whole = sample()
     for place in np.ndindex(whole[which].shape):
-        arrays = [array.copy() for array in whole]
+        positions, rotations, angles = arrays = [array.copy() for array in whole]
         arrays[which][place] = bad
         with np.errstate(all="ignore"):
-            assert not read_sample(*arrays, HINGES, blank())
+            assert not read_sample(positions, rotations, angles, HINGES, blank())
 
 
 @pytest.mark.parametrize("length", [0.0, 0.5, 1 - 2e-6, 1 + 2e-6, 2.0])
@@ -67,7 +68,7 @@ def test_single_precision_passes_and_gives_a_rotation() -> None:
 @pytest.mark.parametrize("axis", np.vstack([np.eye(3), -np.eye(3), [[0.36, -0.48, 0.8]]]))
 def test_quaternions_of_matrices_at_every_branch(axis: np.ndarray, angle: float) -> None:
     turn = Rotation.from_rotvec(axis * angle).as_matrix()
-    found = np.array(quaternion(tuple(tuple(float(v) for v in column) for column in turn.T)))
+    found: np.ndarray = np.array(quaternion(tuples(Rotation.from_matrix(turn))))
     assert found[0] >= 0.0 and np.linalg.norm(found) == pytest.approx(1.0, abs=1e-15)
     assert rotation.to_matrix(found) == pytest.approx(turn, abs=1e-14)
 

@@ -72,7 +72,7 @@ def test_the_excess_is_the_judges(name: str, seed: int) -> None:
 
 
 @given(st.sampled_from(sorted(CONES)), SEEDS)
-def test_nothing_inside_is_nearer_than_the_nearest_direction_inside(name: str, seed: int) -> None:
+def test_nothing_inside_is_nearer_than_the_nearest_direction(name: str, seed: int) -> None:
     limb, skel = direction(seed), SKELETONS[name]
     nearest = nearest_in_reach(skel, 1, limb, MOST)
     assert beyond_cone(CONES[name], np.array([nearest])) <= 2e-12
@@ -114,7 +114,7 @@ def test_the_nearest_point_of_an_arc_is_an_end_beyond_its_ends(seed: int) -> Non
 
 @given(st.sampled_from(["convex", "concave"]), SEEDS)
 @example("concave", 0)
-def test_a_rotation_is_brought_into_polygon_cone_and_twist_at_once(name: str, seed: int) -> None:
+def test_a_rotation_comes_into_polygon_cone_and_twist_at_once(name: str, seed: int) -> None:
     limits = SwingTwist((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), 0.9, (-0.4, 0.6))
     orientation = tuple(float(q) for q in Rotation.random(rng=seed + 1).as_quat(scalar_first=True))
     skel, turn = skel_of(limits, CONES[name], orientation), Rotation.random(rng=seed)
@@ -131,14 +131,14 @@ def test_a_rotation_is_brought_into_polygon_cone_and_twist_at_once(name: str, se
 
 
 @given(SEEDS)
-def test_without_limits_the_limb_is_what_points_to_the_visible_point(seed: int) -> None:
+def test_without_limits_the_limb_points_to_the_visible_point(seed: int) -> None:
     orientation = tuple(float(q) for q in Rotation.random(rng=seed).as_quat(scalar_first=True))
     skel = skel_of(None, CONES["star"], orientation)
     at_zero = limb_of(skel, 1, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
     assert Rotation.from_quat(orientation, scalar_first=True).apply(at_zero) == pytest.approx((0.6, 0.0, 0.8), abs=1e-12)
 
 
-def test_paper_reach_cone_of_a_ball_is_a_spherical_polygon_and_may_be_wider_than_a_hemisphere() -> None:
+def test_paper_reach_cone_may_be_wider_than_a_hemisphere() -> None:
     skel = SKELETONS["wider than a hemisphere"]
     assert is_in_reach(skel, 1, (1.0, 0.0, -0.2)) and not is_in_reach(skel, 1, (0.0, 0.0, -1.0))
     nearest = nearest_in_reach(skel, 1, (0.0, 0.0, -1.0), MOST)

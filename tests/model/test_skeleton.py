@@ -28,36 +28,32 @@ def mixed() -> Avatar:
     ))
 
 
+SKEL = skeleton(Scene("s", avatars=(mixed(),)))
+
+
 def test_degrees_follow_the_joints() -> None:
-    skel = skeleton(Scene("s", avatars=(mixed(),)))
-    assert skel.kind.tolist() == [FREE, BALL, HINGES, RIGID, HINGES]
-    assert skel.first_dof.tolist() == [0, 6, 9, 11, 11, 12]
-    assert skel.parent.tolist() == [-1, 0, 1, 2, 0]
-    assert skel.axis[9:].tolist() == [list(X), list(Y), list(Z)]
-    assert skel.limits[9:].tolist() == [[-1.0, 0.5], [-2.0, 2.0], [0.0, 1.0]]
-    assert (skel.limits[:9] == [-UNLIMITED, UNLIMITED]).all()
-    assert hinge_dofs(skel).tolist() == [9, 10, 11]
-    assert skel.anchor[1].tolist() == [0.0, 0.0, 1.0]
+    assert SKEL.kind.tolist() == [FREE, BALL, HINGES, RIGID, HINGES]
+    assert SKEL.first_dof.tolist() == [0, 6, 9, 11, 11, 12]
+    assert SKEL.parent.tolist() == [-1, 0, 1, 2, 0]
+    assert SKEL.axis[9:].tolist() == [list(X), list(Y), list(Z)]
+    assert SKEL.limits[9:].tolist() == [[-1.0, 0.5], [-2.0, 2.0], [0.0, 1.0]]
+    assert (SKEL.limits[:9] == [-UNLIMITED, UNLIMITED]).all()
+    assert hinge_dofs(SKEL).tolist() == [9, 10, 11]
+    assert SKEL.anchor[1].tolist() == [0.0, 0.0, 1.0]
 
 
-def test_ancestors_move_a_link_and_nobody_else_does() -> None:
-    skel = skeleton(Scene("s", avatars=(mixed(),)))
-    assert [np.flatnonzero(row).tolist() for row in skel.related] == [[0], [0, 1], [0, 1, 2], [0, 1, 2, 3], [0, 4]]
+    # ancestors move a link, and nobody else does
+    assert [np.flatnonzero(row).tolist() for row in SKEL.related] == [[0], [0, 1], [0, 1, 2], [0, 1, 2, 3], [0, 4]]
 
 
-def test_cones_are_cosine_and_sine_and_undo_the_shortest_turn() -> None:
-    skel = skeleton(Scene("s", avatars=(mixed(),)))
-    assert skel.cone[1, :10] == pytest.approx([*Z, 0.6, 0.0, 0.8, np.cos(0.5), np.sin(0.5), -0.25, 0.75])
-    assert skel.untwist[1] @ LIMITS.centre == pytest.approx(LIMITS.axis)
-    assert (skel.cone[[0, 2, 3, 4], 6] == -2.0).all() and (skel.untwist[0] == np.eye(3)).all()
-
-
-def test_what_follows_from_a_cone_is_at_right_angles_to_its_centre_and_of_the_ends_of_the_twist() -> None:
-    skel = skeleton(Scene("s", avatars=(mixed(),)))
-    aside, untwisted = skel.cone[1, 10:13], skel.cone[1, 13:16]
-    assert aside @ skel.cone[1, 3:6] == pytest.approx(0.0, abs=1e-15) and aside @ aside == pytest.approx(1.0)
-    assert untwisted == pytest.approx(skel.untwist[1] @ aside)
-    assert skel.cone[1, 16:] == pytest.approx([np.cos(-0.25), np.sin(-0.25), np.cos(0.75), np.sin(0.75)])
+def test_a_cone_is_kept_as_cosines_sines_and_a_normal() -> None:
+    assert SKEL.cone[1, :10] == pytest.approx([*Z, 0.6, 0.0, 0.8, np.cos(0.5), np.sin(0.5), -0.25, 0.75])
+    assert SKEL.untwist[1] @ LIMITS.centre == pytest.approx(LIMITS.axis)
+    assert (SKEL.cone[[0, 2, 3, 4], 6] == -2.0).all() and (SKEL.untwist[0] == np.eye(3)).all()
+    aside, untwisted = SKEL.cone[1, 10:13], SKEL.cone[1, 13:16]
+    assert aside @ SKEL.cone[1, 3:6] == pytest.approx(0.0, abs=1e-15) and aside @ aside == pytest.approx(1.0)
+    assert untwisted == pytest.approx(SKEL.untwist[1] @ aside)
+    assert SKEL.cone[1, 16:] == pytest.approx([np.cos(-0.25), np.sin(-0.25), np.cos(0.75), np.sin(0.75)])
     assert twist_told(np.array(Z), np.eye(3), -4.0, 1.0)[6:] == [0.0] * 4, "an end beyond half a turn has no sine of its own"
 
 

@@ -33,7 +33,7 @@ def test_the_first_poses_shown_are_the_scenes_own(seed: int) -> None:
 
 def test_simulated_bodies_are_kept_at_their_centre_of_mass() -> None:
     world = build(Scene("s", (CRATE,)))
-    centre = np.array(CRATE.position) + rotation.rotate(CRATE.orientation, CRATE.mass.centre)
+    centre = np.array(CRATE.position) + rotation.rotate(CRATE.orientation, solid(OFF_CENTRE, 1.0).centre)
     assert world.poses.position[0] == pytest.approx(centre)
     assert world.poses.vertices.mean(axis=0) == pytest.approx(centre)
 

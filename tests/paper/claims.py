@@ -178,7 +178,7 @@ IN_WORDS = {
     "joint limits": Claim(
         "planar joints stop at an angle, others are projected back into a reach cone", ("limit_torture", "reach_cone_edges"),
         of("printed/test_cyclic_coordinate_descent.py", "test_hinge_limits_hold_exactly_for_ten_thousand_goals")
-        + of("model/test_reach_cone.py", "test_nothing_inside_is_nearer_than_the_nearest_direction_inside"),
+        + of("model/test_reach_cone.py", "test_nothing_inside_is_nearer_than_the_nearest_direction"),
     ),
     "parallel link": Claim(
         "a link parallel to the surface is moved out by translation and reconnected", ("parallel_link",),

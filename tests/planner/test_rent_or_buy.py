@@ -106,10 +106,10 @@ def test_a_path_is_bought_once_waiting_has_cost_as_much(seed: int) -> None:
     assert bought(9.0, 0.0) == Outcome.SEARCHING
 
 
-def test_a_path_that_is_too_dear_is_kept_and_shortened_until_it_is_paid() -> None:
+def test_a_dear_path_is_kept_and_shortened_until_it_is_paid() -> None:
     scene, sample = behind_the_wall(walker())
     planner = planner_of(moved_to_the_wall(scene))
-    s, target, took = planner.plan.searches, displaced(planner.world.posture, np.array([0.85, 0.0, 0.0])), []
+    s, target, took = planner.plan.searches, displaced(planner.world.posture, np.array([0.85, 0.0, 0.0])), list[float]()
     for _ in range(200):
         assert planner.slice(target) == Outcome.SEARCHING
         assert not took or s.phase[0] >= Phase.CUT
@@ -122,7 +122,7 @@ def test_a_path_that_is_too_dear_is_kept_and_shortened_until_it_is_paid() -> Non
     assert planner.slice(target) == Outcome.FOUND
 
 
-def test_a_path_begins_where_the_avatar_has_gone_on_tracking_meanwhile() -> None:
+def test_a_path_begins_where_the_avatar_is_by_then() -> None:
     scene, _ = behind_the_wall(walker())
     planner = planner_of(moved_to_the_wall(scene))
     skel, s, shown = planner.world.skeleton, planner.plan.searches, planner.world.posture
@@ -144,7 +144,7 @@ def moved_to_the_wall(scene: Scene) -> Scene:
 
 
 @pytest.mark.parametrize(("frames", "is_led"), [(10, False), (30, False), (240, True)])
-def test_what_is_pressed_on_a_table_is_led_around_it_once_it_has_paid_and_not_in_a_moment(frames: int, is_led: bool) -> None:
+def test_led_around_a_table_only_once_waiting_has_paid(frames: int, is_led: bool) -> None:
     avatar = walker()
     scene = Scene("table", (block("table", (0.0, 0.0, -0.55), (5.0, 5.0, 0.1)),), (avatar,), start=rest((avatar,)))
     run, below = Run(scene), moved(scene, (0.0, 0.0, -1.2))
@@ -155,7 +155,7 @@ def test_what_is_pressed_on_a_table_is_led_around_it_once_it_has_paid_and_not_in
         assert "following" not in run.said and run.far(scene.first_sample) < 1e-6
 
 
-def test_a_path_whose_end_is_no_nearer_than_the_avatar_is_dropped_and_one_to_near_by_is_led_on() -> None:
+def test_a_kept_path_follows_a_near_target_or_is_stale() -> None:
     scene, _ = behind_the_wall(walker())
     planner = planner_of(moved_to_the_wall(scene))
     s, start = planner.plan.searches, planner.world.posture
@@ -172,7 +172,7 @@ def test_a_path_whose_end_is_no_nearer_than_the_avatar_is_dropped_and_one_to_nea
     assert planner.slice(displaced(start, np.array([-0.3, 0.0, 0.0]))) == Outcome.STALE
 
 
-def test_a_goal_that_is_no_nearer_any_more_is_searched_for_no_longer() -> None:
+def test_a_stale_goal_ends_its_search() -> None:
     scene, _ = behind_the_wall(walker())
     planner = planner_of(moved_to_the_wall(scene))
     s, start = planner.plan.searches, planner.world.posture

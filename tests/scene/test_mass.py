@@ -1,5 +1,6 @@
 """Mass properties against trimesh's integrals over meshes, and the inertias that no solid has."""
 
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,7 +29,7 @@ def mesh_of(shape: Shape) -> trimesh.Trimesh:
     return trimesh.convex.convex_hull(shape.vertices)
 
 
-SHAPES = [
+SHAPES: list[tuple[Shape, float]] = [
     (Sphere(0.3), 1e-2), (Capsule(0.1, 0.4), 1e-2), (Ellipsoid((0.3, 0.1, 0.2)), 1e-2), (Box((0.3, 0.1, 0.2)), 1e-9),
     (LUMP, 1e-9), (ellipsoid_hull((0.3, 0.1, 0.2)), 1e-9),
 ]
@@ -47,7 +48,8 @@ def test_moments_agree_with_trimesh(shape: Shape, tolerance: float) -> None:
 def test_a_body_of_turned_pieces_agrees_with_their_joint_mesh() -> None:
     """The middle of two boxes and a hull, apart from each other, of which each is turned its own way."""
     pieces, meshes = [], []
-    for k, shape in enumerate((Box((0.2, 0.3, 0.4)), Box((0.1, 0.1, 0.6)), LUMP)):
+    shapes: tuple[Shape, ...] = Box((0.2, 0.3, 0.4)), Box((0.1, 0.1, 0.6)), LUMP
+    for k, shape in enumerate(shapes):
         turn, place = Rotation.random(rng=k), np.array([2.0 * k, -k, 0.5])
         w, x, y, z = turn.as_quat(scalar_first=True)
         pieces.append(Piece(shape, tuple(place), (w, x, y, z)))
@@ -56,7 +58,7 @@ def test_a_body_of_turned_pieces_agrees_with_their_joint_mesh() -> None:
         pose[:3, :3], pose[:3, 3] = turn.as_matrix(), place
         mesh.apply_transform(pose)
         meshes.append(mesh)
-    whole = trimesh.util.concatenate(meshes)
+    whole: Any = trimesh.util.concatenate(meshes)
     mass = solid(pieces, 5.0)
     assert mass.mass == 5.0
     assert mass.centre == pytest.approx(whole.center_mass, abs=1e-9)

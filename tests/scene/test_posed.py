@@ -80,7 +80,7 @@ QUATERNIONS = arrays.arrays(
 
 
 @given(QUATERNIONS)
-def test_any_leading_shape_comes_out_scalar_first_and_of_length_1(q: np.ndarray) -> None:
+def test_from_xyzw_takes_any_leading_shape(q: np.ndarray) -> None:
     assume((np.abs(q).max(axis=-1) > 1e-3).all())
     found = av.from_xyzw(q)
     assert found.shape == q.shape and np.linalg.norm(found, axis=-1) == pytest.approx(1.0, abs=1e-14)

@@ -47,7 +47,7 @@ def link(name: str, parent: str | None, joint: Joint | None = None) -> Link:
 
 def crate(**fields: object) -> Body:
     """Return a simulated ball with other fields."""
-    return Body("crate", Role.SIMULATED, BALL, "wood", **{"mass": MASS, **fields})  # type: ignore[arg-type]
+    return Body("crate", Role.SIMULATED, BALL, "wood", **{"mass": MASS, **fields})
 
 
 def started(x: float) -> Scene:
@@ -108,7 +108,7 @@ BODIES: list[Refusal] = [
     (InvalidScene, r"pieces of body b, entry 0 is .*valid: a Piece\(", lambda: fixed("b", (Sphere(0.1),), "wood")),
     (InvalidScene, "name of the material of body b is 3", lambda: fixed("b", BALL, 3)),
     *((InvalidScene, r"position of b \[m\] is .*real numbers", partial(fixed, "b", BALL, "wood", value))
-      for value in ((1j, 0.0, 0.0), MASKED, ("1", "2", "3"), "123", (True, False, True))),
+      for value in ((1j, 0.0, 0.0), MASKED, ("1", "2", "3"), "123", [None] * 3, (True, False, True))),
     *((InvalidScene, "mass is .* finite number above 0", partial(make, value)) for value in (0.0, -1.0, NAN, INF)
       for make in (Mass, partial(solid, BALL))),
     (InvalidScene, "centre of mass", lambda: Mass(1.0, (2.0 * FARTHEST, 0.0, 0.0))),
@@ -178,7 +178,7 @@ SHAPES: list[Refusal] = [
         CUBE * [1, 1, 0], CUBE * [1, 0, 0], CUBE * 0, CUBE * [1, 1, 1e-12], CUBE @ [[1, 0, 1], [0, 1, 1], [0, 0, 0]])),
     *((InvalidShape, said, partial(ConvexHull, vertices)) for vertices, said in (
         (CUBE[:3], "number of hull vertices is 3"), (CUBE[:, :2], r"\(8, 2\)"), ([[NAN] * 3] * 4, "finite"),
-        (np.ma.masked_array(np.eye(4, 3)), "hull vertices is .*real numbers"))),
+        *((what, "hull vertices is .*real numbers") for what in (np.ma.masked_array(np.eye(4, 3)), b"abc", np.array(["1"]))))),
     *((InvalidShape, "number of vertices", partial(ellipsoid_hull, (0.1, 0.1, 0.1), count)) for count in (
         3, 2.5, True, INF, NAN, -(10**40), 10**9, MOST_VERTICES + 1, "52")),
     (InvalidShape, "is 3; valid: a whole number from 4 to ", lambda: ellipsoid_hull((1.0, 1.0, 1.0), 3)),

@@ -41,7 +41,7 @@ def shown(scenario: Scenario, one: Scene, frames: int) -> list[str]:
 
 
 @pytest.mark.parametrize(("name", "frames"), [*((name, 4) for name in sorted(scenarios())), ("hand_grasp", 30)])
-def test_every_scene_of_the_catalogue_comes_back_and_shows_the_same_states(name: str, frames: int) -> None:
+def test_every_scene_comes_back_and_shows_the_same_states(name: str, frames: int) -> None:
     scenario = get(name)
     one = scenario.build()
     assert written(again(one)) == written(one)
@@ -119,7 +119,9 @@ JSON = st.recursive(
 @given(data=st.data())
 def test_anything_at_any_place_is_a_scene_or_refused(data: st.DataObject) -> None:
     whole = json.loads(json.dumps(written(scene())))
-    place, held = whole, None
+    place: Any = whole
+    held: Any = None
+    key: Any = None
     for _ in range(data.draw(st.integers(1, 7))):
         if isinstance(place, dict) and place:
             held, key = place, data.draw(st.sampled_from(sorted(place)))
@@ -135,12 +137,7 @@ def test_anything_at_any_place_is_a_scene_or_refused(data: st.DataObject) -> Non
         pass
 
 
-def test_numbers_keep_all_their_bits() -> None:
-    numbers = np.random.default_rng(1).normal(size=(50, 3)) * 10.0 ** np.arange(-25, 25)[:, None]
-    np.testing.assert_array_equal(np.array(json.loads(json.dumps(written(numbers)))), numbers)
-
-
-def test_moving_bodies_and_drives_come_back_with_and_without_a_largest_force() -> None:
+def test_moving_bodies_and_drives_come_back() -> None:
     ball = (Piece(Sphere(0.05)),)
     hand = replace(rigid_avatar("hand", ball, solid(ball, 0.5), "wood"), drive=Drive(stiffness=0.0))
     belt = moving("belt", ball, "wood", position=(1.0, 0.0, 0.0), surface_velocity=(0.5, 0.0, 0.0))
@@ -149,7 +146,7 @@ def test_moving_bodies_and_drives_come_back_with_and_without_a_largest_force() -
     assert again(made).avatars[0].drive == hand.drive and again(made).avatars[1].drive == belt.drive
 
 
-def test_pairs_that_overlap_at_home_come_back_and_files_without_them_are_read() -> None:
+def test_pairs_that_overlap_at_home_come_back() -> None:
     hinge = Link("b", "a", Hinges((Hinge((0.0, 0.0, 1.0)),)), (Piece(Sphere(0.1)),), Mass(1.0))
     avatar = Avatar("pair", (Link("a", None, Free(), (Piece(Sphere(0.1)),), Mass(1.0)), hinge, replace(hinge, name="c")),
                     at_rest=(("b", "c", 0.25),))

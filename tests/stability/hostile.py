@@ -230,10 +230,10 @@ def hinge_excess(scene: Scene, record: FrameRecord) -> float:
     return float(max((low - record.angles).max(), (record.angles - high).max()))
 
 
-def ball_excess(scene: Scene, record: FrameRecord) -> float:
-    """Return the largest excess of swing or twist of a ball [rad] from the shown orientations alone, by scipy's rotations."""
-    turns = Rotation.from_quat(record.shown.orientations[len(scene.bodies) :], scalar_first=True)
-    balls, parents, children, start = [], [], [], 0
+def ball_excess(scene: Scene, orientations: Array) -> Array:
+    """Return (F,) the largest excess of swing or twist of a ball [rad], by scipy's rotations, from shown orientations (F, n, 4)
+    alone; without limited balls -inf."""
+    balls, parents, children, start = [], [], [], len(scene.bodies)
     for avatar in scene.avatars:
         index = {link.name: start + k for k, link in enumerate(avatar.links)}
         start += len(avatar.links)
@@ -243,9 +243,11 @@ def ball_excess(scene: Scene, record: FrameRecord) -> float:
                 parents.append(index[link.parent])
                 children.append(index[link.name])
     if not balls:
-        return -np.inf
+        return np.full(len(orientations), -np.inf)
     # limits are stated in the parent's frame, however the link is turned against it at rest
-    return float(swing_twist_excess(balls, turns[parents].inv() * turns[children]).max())
+    above, below = (Rotation.from_quat(orientations[:, at].reshape(-1, 4), scalar_first=True) for at in (parents, children))
+    excess: Array = swing_twist_excess(balls * len(orientations), above.inv() * below).reshape(-1, len(balls)).max(axis=1)
+    return excess
 
 
 def swing_twist_excess(balls: Sequence[Ball], turns: Rotation) -> Array:

@@ -40,6 +40,8 @@ SAID = ("waiting", "planning", "following")
 """Statuses that report it."""
 ROUNDING = 1e-9
 """[rad] excess of a ball that the detour over quaternions may show: orientations are exported, not swings."""
+AT_ONCE = 1000
+"""Frames whose balls are looked at together."""
 RETURN_SEEDS = range(1, 501)
 """The stated list of 500 hostile returns, each from home by one stretch of motion and home again."""
 
@@ -90,7 +92,7 @@ def drive(
     where: int | None = None,
 ) -> None:
     """One engine through one motion; the judge sees every `judge_every`-th frame. `where` names the returns, else their frame."""
-    engine, before, now = AvatarsimEngine(), "home", None
+    engine, before, now, shown = AvatarsimEngine(), "home", None, list[tuple[str, np.ndarray]]()
     engine.load(at.scene, settings, DT)
     for frame, (kind, sample) in enumerate(motion):
         start = time.perf_counter_ns()
@@ -109,7 +111,6 @@ def drive(
         for found, value, most in (
             (report.outside, outside_room(at.scene, record), 0.0),
             (report.hinges, hinge_excess(at.scene, record), 0.0),
-            (report.balls, ball_excess(at.scene, record), ROUNDING),
         ):
             if not value <= most:
                 found.append((frame, kind, value))
@@ -124,6 +125,11 @@ def drive(
                 report.returns.append(now)
                 now = None
         before = kind
+        shown.append((kind, record.shown.orientations))
+    for start in range(0, len(shown), AT_ONCE):
+        some = shown[start : start + AT_ONCE]
+        excess = ball_excess(at.scene, np.array([turns for _, turns in some]))
+        report.balls += [(start + int(k), some[k][0], float(excess[k])) for k in np.flatnonzero(~(excess <= ROUNDING))]
 
 
 ASKED: dict[str, dict[str, object]] = {"two": {"around": 2}}

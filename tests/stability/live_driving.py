@@ -20,6 +20,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -70,7 +71,8 @@ class Wild:
             self._page.post(lambda: self._page.driver.drag(name, goal))
         elif what < 0.7:
             held, self._held = self._held, []
-            self._page.post(lambda: [self._page.driver.release(name) for name in held])
+            for name in held:
+                self._page.post(partial(self._page.driver.release, name))
         elif what < 0.995:
             key = self._random.choice(KEYS).key
             self._page.post(lambda: self._page.driver.press(key))

@@ -20,7 +20,7 @@ SHORTEST, LONGEST = 1e-6, 0.2
 """[s]"""
 FRAMES = 4
 """Frames at each time: faults at a frame time come in its first frames, or where the user meets something."""
-DRAWS = 2
+DRAWS = 1
 """Frame times drawn for each scene between the two ends."""
 NAMES = [name for name, scenario in catalog.scenarios().items() if not scenario.expects.get(REFUSAL)]
 

@@ -83,8 +83,8 @@ def run(seed: int, found: Found) -> None:
     found.frames += FRAMES
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_drawn_scenery_and_a_hand_that_takes_things_overlap_nowhere(seed: int) -> None:
+@pytest.mark.parametrize("seed", range(3))
+def test_drawn_moving_scenes_overlap_nowhere(seed: int) -> None:
     found = Found()
     run(seed, found)
     assert found.overlap <= JUDGED and np.isfinite(found.speed)

@@ -51,7 +51,7 @@ def pile(seed: int, bodies: int, masses: tuple[float, float]) -> list[Body]:
 @pytest.mark.parametrize("masses", [(1.0, 1.0), (1e-3, 1e4)])
 @pytest.mark.parametrize("dt", [1e-3, 1.0 / 60.0, 0.12])
 def test_piles_gain_nothing(dt: float, masses: tuple[float, float]) -> None:
-    for seed in range(8):
+    for seed in range(0, 8, 2):
         restitution, friction = [(0.0, 0.3), (0.3, 0.6), (0.9, 0.1)][seed % 3]
         world = World(pile(seed, 4 + 2 * seed, masses), restitution, friction)
         weight = G * sum(1.0 / w for w in world.dynamics.inverse_mass if w > 0.0)

@@ -40,7 +40,7 @@ def moved(name: str, seed: int) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("name", sorted(TRIALS))
 def test_nothing_wanders_at_a_resting_tracker(name: str) -> None:
     early, late = [], []
-    for seed in range(12):
+    for seed in range(6):
         ways, led = moved(name, seed)
         late.append(float(ways[STILL:][~led[STILL:]].max()))
         early.append(float(ways[:STILL].max()))

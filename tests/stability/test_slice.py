@@ -16,7 +16,7 @@ STEP = "solver step"
 TINY, SHOT = ("squeeze", "size", "0.001"), 0.02
 """In a world of a thousandth of the size a body that is squeezed gets free with this energy [J], which nothing explains: a
 fault that is not understood, bounded here so that it does not grow."""
-DRAWS = 3
+DRAWS = 1
 """Draws of all changes at once per case, others for each case."""
 
 
@@ -30,7 +30,7 @@ def slice_of(number: int) -> list[Trial]:
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_nothing_is_lost_nothing_overlaps_and_nothing_gains_energy(case: str) -> None:
+def test_every_case_of_the_slice_survives(case: str) -> None:
     for trial in slice_of(list(CASES).index(case)):
         found = tried(Task(Job(case, *GATED, trial.change.seed), CASES[case], trial))
         if trial.kind == STEP:

@@ -1,6 +1,7 @@
 """The soak test: its scene runs, the user's motion closes, and growth, slowing and overlap are faults."""
 
 import mmap
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,13 +19,13 @@ GONE: list[mmap.mmap] = []
 class Hoards(AvatarsimEngine):
     """An engine that keeps a megabyte of each frame, up to four hundred."""
 
-    def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
+    def advance(self, sample: TrackerSample | None, dt: float, moving: Any = None) -> FrameRecord:
         """Return a frame as usual."""
         if len(GONE) < 400:
             # pages of its own: memory from malloc may have been the process's all along
             GONE.append(mmap.mmap(-1, 2**20))
             GONE[-1].write(b"x" * 2**20)
-        return super().advance(sample, dt)
+        return super().advance(sample, dt, moving)
 
 
 def report(resident: list[float], ratios: list[float], overlap: float = 0.0) -> Report:
@@ -57,7 +58,7 @@ def test_the_user_ends_a_period_where_the_next_begins() -> None:
     np.testing.assert_allclose(first.angles, scene().first_sample.angles, atol=1e-9)
 
 
-def test_short_periods_show_no_overlap_and_an_engine_that_hoards_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_short_soak_is_free_and_finds_an_engine_that_hoards(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(soaked, "PERIOD", 8)
     monkeypatch.setattr(soaked, "MOST_DRIFT", np.inf)
     whole = soak(24, samples=2)

@@ -99,7 +99,7 @@ def reach(
 
 def three_axes(limit: float) -> Joint:
     """Return a ball and socket as the paper builds it: three hinges that share a centre."""
-    return Hinges(tuple(Hinge(axis, -limit, limit) for axis in np.eye(3).tolist()))
+    return Hinges(tuple(Hinge(axis, -limit, limit) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), Z)))
 
 
 def limited_ball() -> Joint:

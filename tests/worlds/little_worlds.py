@@ -47,6 +47,12 @@ def little(scene: Scene) -> Little:
     return Little(world, axes, still)
 
 
+def turned(axis: Vector, angle: float) -> tuple[float, float, float, float]:
+    """Return a quaternion, as links and pieces take it."""
+    w, x, y, z = rotation.from_axis_angle(axis, angle).tolist()
+    return w, x, y, z
+
+
 def piece(length: float = 0.3) -> tuple[Piece, ...]:
     """Return a capsule along z from the joint's centre."""
     return (Piece(Capsule(0.04, length), (0.0, 0.0, 0.5 * length)),)
@@ -56,8 +62,7 @@ def mixed_avatar() -> Avatar:
     """Return a root with a ball, a two-hinge and a rigid link in a row, a hinge branch, and a slide that carries a hinge:
     every kind of joint and shape."""
     mass = solid(piece(), 1.0)
-    lean = tuple(float(v) for v in rotation.from_axis_angle(X, 0.4))
-    hull = (Piece(ellipsoid_hull((0.05, 0.06, 0.15)), (0.0, 0.0, 0.15)),)
+    lean, hull = turned(X, 0.4), (Piece(ellipsoid_hull((0.05, 0.06, 0.15)), (0.0, 0.0, 0.15)),)
     box = (Piece(Box((0.08, 0.1, 0.3)), (0.0, 0.0, 0.15)), Piece(Sphere(0.05), (0.0, 0.0, 0.35)))
     return Avatar(
         "m",
@@ -76,8 +81,7 @@ def mixed_avatar() -> Avatar:
 def sliding_avatar(name: str = "m") -> Avatar:
     """Return the mixed avatar with a slide that carries a hinge: every kind of joint."""
     mass = solid(piece(), 1.0)
-    lean = tuple(float(v) for v in rotation.from_axis_angle(X, 0.4))
-    hull = (Piece(ellipsoid_hull((0.05, 0.06, 0.15)), (0.0, 0.0, 0.15)),)
+    lean, hull = turned(X, 0.4), (Piece(ellipsoid_hull((0.05, 0.06, 0.15)), (0.0, 0.0, 0.15)),)
     slide = Link("e", "root", Slide((-1.0, 0.5, 0.2), -0.2, 0.9), piece(), mass, anchor=(-0.3, 0.0, 0.0), orientation=lean)
     bend = Link("f", "e", Hinges((Hinge(Y, -1.0, 1.0),)), hull, mass, anchor=(-0.2, 0.0, 0.0))
     return replace(mixed_avatar(), name=name, links=(*mixed_avatar().links, slide, bend))

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +26,7 @@ class Loop:
 
     def __init__(
         self, avatars: tuple[Avatar, ...], bodies: tuple[Body, ...] = (), *, roots: Sequence[Place] = (),
-        angles: Sequence[float] = (), seed: int = 0, settings: dict[str, float] | None = None,
+        angles: Sequence[float] = (), seed: int = 0, settings: dict[str, Any] | None = None,
     ) -> None:
         start = rest(avatars)
         positions, given = start.positions.copy(), start.angles.copy()

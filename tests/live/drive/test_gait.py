@@ -17,7 +17,7 @@ def walked(seconds: float, keys: str = "i") -> list[TrackerSample]:
     return ticks(driver("gallery"), round(seconds / DT), keys)
 
 
-def test_feet_stand_and_swing_in_turn_with_the_period_that_is_said() -> None:
+def test_feet_stand_and_swing_in_turn_with_the_period() -> None:
     feet = np.array([places(SCENE, sample)[[LEFT, RIGHT]] for sample in walked(8.0)])
     feet = feet[-round(5.0 * driver("gallery").period / DT):]
     speeds = np.linalg.norm(np.diff(feet, axis=0), axis=2) / DT
@@ -52,7 +52,7 @@ def test_turning_turns_the_feet_along() -> None:
     assert across > 0.05
 
 
-def test_a_crouch_lowers_the_root_over_feet_that_stay_and_ends_in_time() -> None:
+def test_a_crouch_lowers_the_root_over_standing_feet() -> None:
     one, start = driver("gallery"), places(SCENE, SCENE.first_sample)
     sample = ticks(one, 240, "f")[-1]
     low = places(SCENE, sample)

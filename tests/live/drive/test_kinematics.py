@@ -22,15 +22,6 @@ def test_poses_are_those_of_the_tracker_module(name: str, seed: int) -> None:
     assert np.abs(rotation.multiply(rotation.conjugate(turns), orientations)[:, 0]) == pytest.approx(1.0, abs=1e-12)
 
 
-def test_a_posture_becomes_the_sample_it_was_made_of() -> None:
-    scene = stage("hand").scene
-    sample = random_sample(scene, 3)
-    again = posture_of(sample).sample(2.0)
-    assert again.time == 2.0
-    for name in ("positions", "rotations", "angles"):
-        assert np.allclose(getattr(again, name), getattr(sample, name), atol=1e-15)
-
-
 def test_chains_and_subtrees_hold_what_is_above_and_below() -> None:
     tree = Tree(stage("hand").scene.avatars)
     names = [node.name for node in tree.nodes]

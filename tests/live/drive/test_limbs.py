@@ -21,12 +21,11 @@ MASS = solid(PIECES, 1.0)
 
 def row(*names: str, z: float, y: float) -> list[Link]:
     """Return links attached to a root called "middle", one below the other."""
-    found, parent = [], "middle"
-    for k, name in enumerate(names):
-        anchor = (0.0, y, 0.0 if k == 0 else z)
-        found.append(Link(name, parent, Ball(), PIECES, MASS, anchor=(anchor[0], anchor[1] if k == 0 else 0.0, anchor[2])))
-        parent = name
-    return found
+    parents = zip(names, ("middle", *names[:-1]), strict=True)
+    return [
+        Link(name, parent, Ball(), PIECES, MASS, anchor=(0.0, y, 0.0) if parent == "middle" else (0.0, 0.0, z))
+        for name, parent in parents
+    ]
 
 
 def limbs(*links: Link) -> tuple[Tree, Limbs]:
@@ -67,7 +66,7 @@ def test_sides_are_told_by_words_and_by_letters(left: tuple[str, ...], right: tu
     assert found.arms == ()
 
 
-def test_fingers_are_no_legs_and_several_hands_are_pulled_at_instead_of_their_fingers() -> None:
+def test_fingers_are_no_legs_and_hands_have_handles() -> None:
     # little and ring finger, whose names mirror each other, below a palm
     digits = [row(f"{name}1", f"{name}2", f"{name}3", z=-0.03, y=0.02 * k) for k, name in enumerate(("lf", "rf", "mf"))]
     tree, found = limbs(*(link for digit in digits for link in digit))
@@ -76,6 +75,7 @@ def test_fingers_are_no_legs_and_several_hands_are_pulled_at_instead_of_their_fi
     skeleton = approximate("SMPL-H")[0]
     still = Motion(np.zeros(1), *(array[None] for array in skeleton.still))
     avatar = human(skeleton, 1.7, still).avatar
+    assert avatar is not None
     whole = Tree((avatar,))
     names = [whole.nodes[k].name for k in handle_links(whole)]
     assert names == ["pelvis", "left_foot", "right_foot", "head", "left_wrist", "right_wrist"]

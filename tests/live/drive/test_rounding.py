@@ -6,10 +6,8 @@ import pytest
 from tests.live.drive.stages_driven import driver, ticks
 
 DRAGS = [
-    ("gallery", "human/left_hand", (-0.5, 0.4, 1.2)), ("gallery", "human/left_hand", (3.0, 1.0, 1.2)),
-    ("gallery", "human/right_hand", (-3.5, -0.4, 0.3)), ("gallery", "human/right_wrist", (-2.0, 0.5, 1.0)),
-    ("gallery", "human/head", (-2.2, 0.0, 4.0)), ("gallery", "human/left_foot", (-2.0, 0.3, 0.5)),
-    ("hand", "hand/thumb3", (1.0, 1.0, 0.2)), ("hand", "hand/index3", (0.4, 0.3, 1.3)),
+    ("gallery", "human/left_hand", (3.0, 1.0, 1.2)), ("gallery", "human/right_hand", (-3.5, -0.4, 0.3)),
+    ("gallery", "human/left_foot", (-2.0, 0.3, 0.5)), ("hand", "hand/index3", (0.4, 0.3, 1.3)),
 ]
 
 
@@ -21,9 +19,7 @@ def dragged(name: str, handle: str, goal: tuple[float, ...]) -> np.ndarray[tuple
 
 
 @pytest.mark.parametrize(("name", "handle", "goal"), DRAGS)
-def test_a_goal_that_differs_in_its_last_bits_leads_to_the_same_postures(
-    name: str, handle: str, goal: tuple[float, float, float]
-) -> None:
+def test_rounding_of_a_goal_does_not_grow(name: str, handle: str, goal: tuple[float, float, float]) -> None:
     shown, rng = dragged(name, handle, goal), np.random.default_rng(1)
     for size, bound in ((1e-13, 1e-9), (1e-9, 1e-5)):
         moved = np.array(goal) * (1.0 + size * rng.uniform(-1.0, 1.0, 3))

@@ -25,9 +25,9 @@ def test_a_pulse_goes_there_and_back() -> None:
     assert pulse(0.3) == pytest.approx(pulse(0.7))
 
 
-@settings(max_examples=20)
+@settings(max_examples=5)
 @given(st.integers(0, 1000))
-def test_an_offset_begins_at_what_was_shown_and_is_gone_within_its_speeds(seed: int) -> None:
+def test_an_offset_begins_at_what_was_shown_and_keeps_its_speeds(seed: int) -> None:
     scene = stage("gallery").scene
     tree = Tree(scene.avatars)
     shown, wanted = posture_of(random_sample(scene, seed)), posture_of(random_sample(scene, seed + 1))
@@ -60,7 +60,7 @@ def test_a_press_alone_is_over_after_five_time_constants() -> None:
     assert speeds.now["forward"] == 0.0 and not speeds.is_moving
 
 
-def test_a_key_that_repeats_keeps_full_speed_and_another_one_turns_it_round() -> None:
+def test_a_repeating_key_keeps_speed_and_its_opposite_turns_it() -> None:
     speeds = Speeds()
     for _ in range(30):
         speeds.press("turn", 1.0)

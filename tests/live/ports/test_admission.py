@@ -39,7 +39,7 @@ def test_a_foreign_origin_is_refused(origins: list[str]) -> None:
     assert judged(["127.0.0.1"], origins, "127.0.0.1") is Refusal.FOREIGN_ORIGIN
 
 
-def test_beyond_loopback_the_address_itself_and_names_that_are_allowed_are_ours() -> None:
+def test_beyond_loopback_own_address_and_allowed_names_are_ours() -> None:
     assert judged(["192.168.0.9:80"], ["http://192.168.0.9:80"], "192.168.0.9") is None
     assert judged(["headset.local"], [], "192.168.0.9") is Refusal.FOREIGN_HOST
     assert judged(["Headset.local:1"], ["http://headset.LOCAL:1"], "192.168.0.9", ["headset.local"]) is None
@@ -52,7 +52,7 @@ def test_any_header_is_judged(text: str) -> None:
     assert judged([text], [text], "127.0.0.1") in (None, Refusal.FOREIGN_HOST, Refusal.FOREIGN_ORIGIN)
 
 
-def test_a_peer_is_read_up_to_its_pace_and_anew_in_the_next_second() -> None:
+def test_a_peer_is_read_at_its_pace_in_every_second() -> None:
     window = Window(Limits(per_second=2, flood=4))
     assert [window.admit(k) for k in range(5)] == [Pace.READ, Pace.READ, Pace.TOO_FAST, Pace.TOO_FAST, Pace.FLOOD]
     assert window.admit(SECOND) is Pace.READ

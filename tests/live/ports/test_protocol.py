@@ -35,14 +35,8 @@ def changed(**keys: object) -> str:
     return json.dumps({**GOOD, **keys})
 
 
-def test_a_sample_as_json_is_read() -> None:
-    for data in (json.dumps(GOOD), json.dumps(GOOD).encode(), b"  " + json.dumps(GOOD).encode()):
-        sample = parse(data, SHAPE)
-        assert isinstance(sample, TrackerSample)
-        assert sample.positions.tolist() == GOOD["positions"] and sample.angles.tolist() == GOOD["angles"]
 
-
-def test_whole_numbers_are_numbers_and_angles_may_be_missing_without_hinges() -> None:
+def test_whole_numbers_are_read_and_angles_may_be_missing() -> None:
     sample = parse('{"positions": [[1, 2, 3]], "rotations": [[1, 0, 0, 0]]}', Shape(("hand",), 0, ("hand",), ("hand",)))
     assert isinstance(sample, TrackerSample)
     assert sample.positions.tolist() == [[1.0, 2.0, 3.0]] and sample.angles.shape == (0,)
@@ -56,7 +50,10 @@ def test_what_is_written_is_read_again(data: st.DataObject) -> None:
     rotations /= np.linalg.norm(rotations, axis=1)[:, None]
     positions = np.array([data.draw(metres) for _ in range(12)]).reshape(4, 3)
     sample = TrackerSample(0.0, positions, rotations, rng.uniform(-3.0, 3.0, 2))
-    for message, close in ((json_sample(sample), 1e-15), (packed_sample(sample, 8), 1e-15), (packed_sample(sample, 4), 3e-7)):
+    text = json_sample(sample)
+    for message, close in (
+        (text, 1e-15), (b"  " + text.encode(), 1e-15), (packed_sample(sample, 8), 1e-15), (packed_sample(sample, 4), 3e-7),
+    ):
         read = parse(message, SHAPE)
         assert isinstance(read, TrackerSample)
         np.testing.assert_array_equal(read.positions, sample.positions)
@@ -84,19 +81,16 @@ def test_goals_are_read_by_short_and_by_whole_names() -> None:
         (b"", Refusal.WRONG_MAGIC),
         (b"\x00\x01\x02\x03", Refusal.WRONG_MAGIC),
         ("", Refusal.NOT_JSON),
-        ("{", Refusal.NOT_JSON),
         ('{"links": {}} x', Refusal.NOT_JSON),
         ('{"links": ' + "[" * 700 + "]" * 700 + "}", Refusal.TOO_DEEP),
         ('{"links": {"tip": {"position": [[0]]}}}', Refusal.TOO_DEEP),
         ('{"links": {"[[[[[": {"position": [0,0,0]}}}', Refusal.UNKNOWN_LINK),
         ("[]", Refusal.WRONG_TYPE),
-        ("3", Refusal.WRONG_TYPE),
         ('{"links": {}, "links": {}}', Refusal.DUPLICATE),
         ('{"links": {"tip": {"position": [0,0,0]}, "left/tip": {"position": [0,0,0]}}}', Refusal.DUPLICATE),
         (changed(extra=1), Refusal.UNKNOWN_KEY),
         ('{"links": {}, "angles": []}', Refusal.UNKNOWN_KEY),
         ('{"links": {"tip": {"position": [0,0,0], "turn": 1}}}', Refusal.UNKNOWN_KEY),
-        ("{}", Refusal.MISSING_KEY),
         ('{"positions": [], "rotations": []}', Refusal.MISSING_KEY),
         ('{"links": {"tip": {}}}', Refusal.MISSING_KEY),
         ('{"links": {"palm": {"position": [0,0,0]}}}', Refusal.UNKNOWN_LINK),
@@ -107,7 +101,6 @@ def test_goals_are_read_by_short_and_by_whole_names() -> None:
         ('{"links": {"tip": {"position": null}}}', Refusal.WRONG_TYPE),
         (changed(positions={}), Refusal.WRONG_TYPE),
         (changed(positions=[[True, 0, 0]] * 4), Refusal.WRONG_TYPE),
-        (changed(positions=[["1", 0, 0]] * 4), Refusal.WRONG_TYPE),
         (changed(angles="ab"), Refusal.WRONG_TYPE),
         (changed(positions=[[0, 0, 0]] * 3), Refusal.WRONG_LENGTH),
         (changed(positions=[[0, 0]] * 4), Refusal.WRONG_LENGTH),
@@ -120,7 +113,6 @@ def test_goals_are_read_by_short_and_by_whole_names() -> None:
         (json.dumps(GOOD).replace("-0.2", "1e999"), Refusal.TOO_LARGE),
         (changed(rotations=[[0, 0, 0, 0]] * 4), Refusal.NOT_A_ROTATION),
         (changed(rotations=[[1 + 2 * UNIT, 0, 0, 0]] * 4), Refusal.NOT_A_ROTATION),
-        (changed(rotations=[[0.9, 0.9, 0, 0]] * 4), Refusal.NOT_A_ROTATION),
         ('{"links": {"tip": {"position": [0,0,0], "rotation": [2,0,0,0]}}}', Refusal.NOT_A_ROTATION),
         (SAMPLE, Refusal.WRONG_LENGTH),
         (GOOD_PACKED[:-1], Refusal.WRONG_LENGTH),
@@ -145,17 +137,6 @@ def test_the_deepest_message_that_is_read_in_a_large_scene() -> None:
     assert refused('{"links":' + "[" * 100_000, large) is Refusal.TOO_DEEP
     assert refused('{"links":' + '{"a":' * 20_000, large) is Refusal.TOO_DEEP
 
-
-def answered(data: bytes | str) -> None:
-    """Read a message; anything but a sample that fits, goals or a refusal is an error."""
-    try:
-        found = parse(data, SHAPE)
-    except Refused:
-        return
-    if isinstance(found, TrackerSample):
-        assert found.positions.shape == (4, 3) and found.angles.shape == (2,)
-        assert np.isfinite(found.positions).all() and np.isfinite(found.angles).all()
-        np.testing.assert_allclose(np.linalg.norm(found.rotations, axis=1), 1.0, rtol=0.0, atol=1e-12)
 
 
 VALUES = st.recursive(
@@ -183,4 +164,11 @@ def damaged(draw: st.DrawFn) -> bytes:
     st.text(max_size=300),
 ))
 def test_anything_is_read_or_refused(data: bytes | str) -> None:
-    answered(data)
+    try:
+        found = parse(data, SHAPE)
+    except Refused:
+        return
+    if isinstance(found, TrackerSample):
+        assert found.positions.shape == (4, 3) and found.angles.shape == (2,)
+        assert np.isfinite(found.positions).all() and np.isfinite(found.angles).all()
+        np.testing.assert_allclose(np.linalg.norm(found.rotations, axis=1), 1.0, rtol=0.0, atol=1e-12)

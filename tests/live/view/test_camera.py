@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,6 +29,11 @@ def test_no_key_of_the_avatar_flies_the_camera() -> None:
     assert not flying & {f"Key{key.key.upper()}" for key in KEYS}
 
 
+def unit(vector: np.ndarray) -> np.ndarray:
+    """Return a vector of length 1."""
+    return np.asarray(vector / np.linalg.norm(vector))
+
+
 @pytest.mark.parametrize("view", VIEWS)
 @pytest.mark.parametrize("name", NAMES)
 def test_a_view_shows_the_avatar_at_two_fifths_of_the_height(name: str, view: str) -> None:
@@ -35,10 +41,8 @@ def test_a_view_shows_the_avatar_at_two_fifths_of_the_height(name: str, view: st
     own = scene.avatars[0]
     places, turns = (one[: len(own.links)] for one in link_poses(scene.avatars, scene.first_sample))
     seen = framed(own, places, turns, view, np.zeros((1, 3)))
-    ahead = seen.look_at - seen.position
-    ahead /= np.linalg.norm(ahead)
-    up = np.array((0.0, 0.0, 1.0)) - ahead[2] * ahead
-    up /= np.linalg.norm(up)
+    ahead = unit(seen.look_at - seen.position)
+    up = unit(np.array((0.0, 0.0, 1.0)) - ahead[2] * ahead)
     points = np.concatenate([
         rotation.rotate(turns[k], corners(piece)) + places[k] for k, link in enumerate(own.links) for piece in link.pieces
     ]) - seen.position
@@ -53,10 +57,8 @@ def test_worlds_side_by_side_are_all_in_the_first_view() -> None:
     step = beside(scene)
     offsets = np.arange(2)[:, None] * step
     seen = framed(scene.avatars[0], places, turns, "Home", offsets)
-    ahead = seen.look_at - seen.position
-    ahead /= np.linalg.norm(ahead)
-    right = np.cross(ahead, (0.0, 0.0, 1.0))
-    right /= np.linalg.norm(right)
+    ahead = unit(seen.look_at - seen.position)
+    right = unit(np.cross(ahead, (0.0, 0.0, 1.0)))
     across = [(place - seen.position) @ right / ((place - seen.position) @ ahead) for place in places[0] + offsets]
     wide = 1.5 * np.tan(0.5 * FIELD)
     assert -0.9 * wide < across[0] < 0.0 < across[1] < 0.5 * wide
@@ -67,7 +69,7 @@ def test_worlds_side_by_side_are_all_in_the_first_view() -> None:
 def test_home_is_the_first_view() -> None:
     server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
     worlds = Worlds(server, stage("hand"), ["avatarsim"])
-    camera = SimpleNamespace(position=np.full(3, 50.0), look_at=np.zeros(3), up_direction=np.array((1.0, 0.0, 0.0)))
+    camera: Any = SimpleNamespace(position=np.full(3, 50.0), look_at=np.zeros(3), up_direction=np.array((1.0, 0.0, 0.0)))
     worlds.look(camera, "Home")
     first = server.initial_camera
     assert camera.position == pytest.approx(first.position) and camera.look_at == pytest.approx(first.look_at)

@@ -4,7 +4,6 @@ import re
 import threading
 import time
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import pytest
 
@@ -36,13 +35,13 @@ def inside(page: Page) -> list[float]:
     return [float(found) for found in re.findall(r'data-overlap="([^"]*)"', page.panel.numbers.content)]
 
 
-@pytest.fixture
-def page(tmp_path: Path) -> Iterator[Page]:
-    """Yield the page of the hand over the table, with its rounds running."""
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
+    """Yield the page of the hand over the table, with its rounds running, for the tests of this file one after the other."""
     found, is_over = stage("hand"), threading.Event()
     beside = Plan(OURS, found.scene, Settings(preset="paper"), 60.0, name="other")
     with Session([Plan(OURS, found.scene, Settings(), 60.0)]) as session:
-        shows = Shows(found, {}, own_depth(found.scene), port=0, folder=tmp_path, offered=[beside])
+        shows = Shows(found, {}, own_depth(found.scene), port=0, folder=tmp_path_factory.mktemp("page"), offered=[beside])
         one = Page(session, Driver(found.scene), shows)
         rounds = threading.Thread(target=lambda: one.rounds(is_over.is_set))
         rounds.start()
@@ -52,16 +51,17 @@ def page(tmp_path: Path) -> Iterator[Page]:
         one.close()
 
 
-def test_a_hand_in_the_table_has_a_ghost_and_two_numbers_and_the_hint_goes(page: Page) -> None:
+def test_a_hand_in_the_table_has_a_ghost_and_two_numbers(page: Page) -> None:
     ghost, first = page.worlds.drawn["avatarsim"].ghost, page.session.scene.first_sample.positions[0]
-    assert soon(lambda: inside(page) == [0.0, 0.0]) and page.hint.visible
+    assert soon(lambda: inside(page) == [0.0, 0.0] and page.hint.visible)
     assert not any(body.node.visible for body in ghost.values())
     page.post(lambda: page.driver.drag("hand/palm", (*first[:2], 0.74)))
     assert soon(lambda: inside(page)[0] > 5.0 and any(body.node.visible for body in ghost.values()))
     assert inside(page)[1] == 0.0 and not page.hint.visible
+    assert b"startPlayer" in shared_page(page.session.scene, driven(page.session), {}), "the last seconds are a page"
 
 
-def test_another_engine_comes_beside_follows_the_same_drag_and_goes(page: Page) -> None:
+def test_another_engine_beside_follows_the_same_drag(page: Page) -> None:
     page.post(lambda: page.compare("other"))
     assert soon(lambda: len(inside(page)) == 3)
     link, first = page.session.scene.names.index("hand/palm"), page.session.scene.first_sample.positions[0]
@@ -70,10 +70,3 @@ def test_another_engine_comes_beside_follows_the_same_drag_and_goes(page: Page) 
     assert set(page.session.states) == set(page.worlds.drawn) == {"avatarsim", "other"}
     page.post(lambda: page.compare("other"))
     assert soon(lambda: len(inside(page)) == 2 and set(page.worlds.drawn) == {"avatarsim"})
-
-
-def test_the_last_seconds_are_a_page(page: Page) -> None:
-    first = page.session.scene.first_sample.positions[0]
-    page.post(lambda: page.driver.drag("hand/palm", (*first[:2], 0.74)))
-    assert soon(lambda: inside(page)[:1] > [5.0])
-    assert b"startPlayer" in shared_page(page.session.scene, driven(page.session), {})

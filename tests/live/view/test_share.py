@@ -7,6 +7,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -36,7 +37,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_a_recording_becomes_a_page_that_needs_no_other_file_and_marks_the_deepest_moment(recording: Path) -> None:
+def test_a_recording_becomes_a_page_that_marks_its_deepest(recording: Path) -> None:
     page = show(recording, opens_browser=False)
     text = page.read_text(encoding="utf-8")
     assert not re.findall(r'(?:src|href)="(?!#|data:)', text)
@@ -50,9 +51,7 @@ def test_a_recording_becomes_a_page_that_needs_no_other_file_and_marks_the_deepe
     assert len(take["times"]) == FRAMES // 2 and len(take["ghost"]["bodies"]) == 2
 
 
-def films(
-    monkeypatch: pytest.MonkeyPatch, each: float, patience: float, count: int | None = None
-) -> tuple[Image.Image, list[str]]:
+def films(monkeypatch: pytest.MonkeyPatch, each: float, patience: float, count: int | None = None) -> tuple[Any, list[str]]:
     """Return half a second of a viewer that takes some time [s] for each picture, of `count` at most, and lines of progress."""
     taken, lines = list[int](), list[str]()
 
@@ -64,11 +63,12 @@ def films(
         return np.full((height, width, 3), 20 * len(taken) % 250, dtype=np.uint8)
 
     monkeypatch.setattr(share, "PATIENCE", patience)
-    return Image.open(io.BytesIO(share.filmed(SimpleNamespace(get_render=render), lines.append, 0.5))), lines
+    viewer: Any = SimpleNamespace(get_render=render)
+    return Image.open(io.BytesIO(share.filmed(viewer, lines.append, 0.5))), lines
 
 
 @pytest.mark.parametrize(("each", "patience", "least"), [(0.0, 60.0, 2), (0.3, 60.0, share.FEWEST), (0.3, 1.0, 2)])
-def test_a_moving_picture_lasts_as_long_as_is_asked_for_also_of_a_slow_viewer(
+def test_a_film_lasts_as_long_as_asked_for_of_a_slow_viewer_too(
     monkeypatch: pytest.MonkeyPatch, each: float, patience: float, least: int
 ) -> None:
     film, lines = films(monkeypatch, each, patience)
@@ -76,7 +76,7 @@ def test_a_moving_picture_lasts_as_long_as_is_asked_for_also_of_a_slow_viewer(
     assert film.n_frames == len(lines) >= least and lasts == pytest.approx(500.0, abs=150.0)
 
 
-def test_a_viewer_that_sends_one_picture_and_no_more_has_no_moving_picture(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_one_picture_alone_is_no_film(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InvalidInput):
         films(monkeypatch, 0.0, 60.0, count=2)
 
@@ -91,7 +91,7 @@ def test_what_is_no_recording_and_no_engine_is_refused(tmp_path: Path) -> None:
         show(AvatarsimEngine(), port=0, opens_browser=False)
 
 
-def test_a_window_shows_the_users_own_loop_and_hands_out_its_server() -> None:
+def test_a_window_shows_the_users_own_loop() -> None:
     ran, engine = plan(), AvatarsimEngine()
     engine.load(ran.scene, ran.settings, 1.0 / RATE)
     with show(engine, port=0, opens_browser=False) as window:

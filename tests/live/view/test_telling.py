@@ -15,7 +15,7 @@ from avatarsim.live.view.depth import OwnOverlap
 from avatarsim.live.view.telling import at_ports, numbers, word_of
 
 
-def test_a_user_inside_something_has_a_pair_and_one_outside_has_none() -> None:
+def test_a_user_inside_something_has_a_pair() -> None:
     found = stage("hand").scene
     start, own = found.first_sample, OwnOverlap(found)
     _, pair = own.deepest(replace(start, positions=start.positions + (0.0, 0.0, 0.75 - start.positions[0, 2])))
@@ -30,7 +30,7 @@ def test_refusals_are_counted_and_the_most_frequent_are_named() -> None:
     assert sum(reason.value in at_ports(refusals) for reason in Refusal) == 4 and len(refusals.counts) == 6
 
 
-def test_numbers_over_the_scene_are_of_the_user_and_of_each_engine_and_names_are_no_markup() -> None:
+def test_numbers_are_of_user_and_engines_and_names_no_markup() -> None:
     shown = numbers(0.0321, 0.05, {"avatarsim": 0.0, "<b>": 2e-3}, {"avatarsim": (0, 0, 255), "<b>": (0, 255, 0)})
     assert [float(found) for found in re.findall(r'data-overlap="([^"]*)"', shown)] == [32.1, 0.0, 2.0]
     assert "32 mm" in shown and "<b>" not in shown
@@ -50,5 +50,5 @@ def states(speed: float, statuses: dict[str, int] | None = None, impacts: int = 
     (states(0.0), True, False), (states(0.1), True, True), (states(0.1), False, False), (states(1.0, impacts=2), False, True),
     (states(0.0, {"waiting": 1}), True, True), (states(0.0, impacts=2), True, False),
 ])
-def test_an_avatar_that_slides_waits_or_lets_things_bounce_has_a_word(found: list[State], touches: bool, word: bool) -> None:
+def test_sliding_waiting_and_bouncing_have_a_word(found: list[State], touches: bool, word: bool) -> None:
     assert bool(word_of(found, 0.05, touches, 1, [0])) is word
