@@ -1,6 +1,6 @@
 """Rapier behind the Engine protocol."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 from time import perf_counter_ns
 
@@ -22,6 +22,7 @@ from reference.presets import in_force, kind_of
 from reference.targets import Targets
 
 Array = NDArray[np.float64]
+State = list[tuple[float, ...]]
 
 
 class RapierEngine:
@@ -64,7 +65,7 @@ class RapierEngine:
         self._step, self._count, self._elapsed = 0.0, 0, 0.0
         self._cut(dt)
         self._angles = JointAngles(self._world.joined, scene.first_sample.angles)
-        shown, *poses = self._read()
+        [shown], poses = self._snapshots([0.0], [self._read()])
         # fixed bodies are read once
         self._moving = np.flatnonzero([not view.is_fixed for view in self._views])
         self._views = [self._views[k] for k in self._moving]
@@ -76,7 +77,7 @@ class RapierEngine:
         self._cut(dt)
         goal = self._targets.within_limits(checked(sample, self._scene.avatars))
         goals, self._last = self._targets.between(self._last, goal, np.arange(self._count + 1) / self._count), goal
-        stepping, lost, inside = 0, 0, list[Snapshot]()
+        stepping, lost, times, read = 0, 0, list[float](), list[State]()
         places, turns = goals.positions.tolist(), goals.orientations.tolist()
         for k in range(self._count):
             for target, link in self._held:
@@ -88,8 +89,9 @@ class RapierEngine:
             quarantine = self._world.physics.quarantine
             lost += 0 if quarantine.is_empty() else len(quarantine.bodies) + len(quarantine.colliders)
             if self._settings.record_inside or k == self._count - 1:
-                shown, *poses = self._read()
-                inside.append(shown)
+                times.append(self._elapsed)
+                read.append(self._read())
+        inside, poses = self._snapshots(times, read)
         stages = {"step": stepping, ADAPTER: perf_counter_ns() - began - stepping} if self._settings.time_stages else {}
         statuses = {"quarantined": lost} if lost else {}
         angles, snapshots = self._angles.measured(*poses), tuple(inside) if self._settings.record_inside else ()
@@ -121,12 +123,21 @@ class RapierEngine:
         made.friction_in_bias_pass = self._chosen.flag("friction_in_bias_pass")
         return made
 
-    def _read(self) -> tuple[Snapshot, Array, Array]:
-        """Return the snapshot to show, and poses of all bodies that hinges join: (m, 3) [m] and (m, 4)."""
-        self._states[self._moving] = np.array([
+    def _read(self) -> State:
+        """Return position, rotation (vector part first), velocity and angular velocity of each body that can move."""
+        return [
             (*b.translation.to_tuple(), *b.rotation.to_tuple(), *b.linvel.to_tuple(), *b.angvel.to_tuple()) for b in self._views
-        ]).reshape(-1, 13)
-        states, n = self._states.copy(), len(self._scene.names)
+        ]
+
+    def _snapshots(self, times: Sequence[float], read: Sequence[State]) -> tuple[list[Snapshot], tuple[Array, Array]]:
+        """Return snapshots of states that were read at these times, and the last poses of all bodies that hinges join:
+        (m, 3) [m] and (m, 4)."""
+        states, n = np.tile(self._states, (len(read), 1, 1)), len(self._scene.names)
+        states[:, self._moving] = np.array(read).reshape(len(read), len(self._moving), 13)
+        self._states = states[-1].copy()
         # Rapier's last part is the scalar one; single precision is unit to seven digits only
-        places, turns = states[:, :3], rotation.normalised(states[:, (6, 3, 4, 5)])
-        return Snapshot(self._elapsed, places[:n], turns[:n], states[:n, 7:10], states[:n, 10:]), places, turns
+        places, turns = states[..., :3], rotation.normalised(states[..., (6, 3, 4, 5)])
+        shown = [
+            Snapshot(time, places[k, :n], turns[k, :n], states[k, :n, 7:10], states[k, :n, 10:]) for k, time in enumerate(times)
+        ]
+        return shown, (places[-1], turns[-1])
