@@ -35,7 +35,7 @@ def test_the_speed_of_feet_that_slide_is_measured(speed: float) -> None:
     assert audit(standing(slide=speed), model(), (FLOOR,), OPTIONS).foot_slide == pytest.approx(speed, abs=1e-9)
 
 
-def test_high_or_fast_feet_are_not_planted_and_without_a_room_there_are_none() -> None:
+def test_high_or_fast_feet_are_not_planted() -> None:
     for motion in (standing(height=0.1), standing(slide=1.0)):
         assert np.isnan(audit(motion, model(), (FLOOR,), OPTIONS).foot_slide)
     assert np.isnan(audit(standing(), model(), (), OPTIONS).foot_slide)

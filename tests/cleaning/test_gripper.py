@@ -52,7 +52,7 @@ def test_fingers_close_on_a_box_and_open_again_and_the_arm_stays(aside: float, t
     np.testing.assert_allclose(rows[-1], [0.0] * 4 + [OPEN] * 2, atol=1e-9)
 
 
-def test_an_arm_goes_where_its_user_has_it_though_its_fingers_are_light(tmp_path: Path) -> None:
+def test_an_arm_follows_its_user_though_its_fingers_are_light(tmp_path: Path) -> None:
     model = arm(tmp_path)
     wall = av.fixed("wall", (av.Piece(av.Box((1.0, 0.1, 1.0))),), "wood", (0.5, 0.35, 1.0))
     shield = av.Shield(model, (wall,))

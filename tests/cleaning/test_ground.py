@@ -24,7 +24,7 @@ def walk(height: float) -> tuple[object, Motion]:
 
 
 @pytest.mark.parametrize("depth", [0.02, 0.25])
-def test_no_link_of_a_sunken_walk_is_moved_farther_than_the_lift_that_frees_it(depth: float) -> None:
+def test_no_link_of_a_sunken_walk_moves_farther_than_its_lift(depth: float) -> None:
     human, motion = walk(-depth)
     cleaned = clean(motion, human, (FLOOR,), OPTIONS)
     chords, whole = chords_of(motion, human, (FLOOR,), OPTIONS, ())

@@ -79,7 +79,7 @@ def require_stops(model: Model, chords: Chords, ways: list[np.ndarray], speed: n
 
 @pytest.mark.parametrize("hold", [0, 15])
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_two_arms_keep_limits_and_stay_free_however_they_are_driven(arms: Model, hold: int, seed: int) -> None:
+def test_two_arms_keep_limits_and_stay_free(arms: Model, hold: int, seed: int) -> None:
     speed, acceleration = np.full(8, 2.0), np.full(8, 9.0)
     given = driven(arms, 240, RATE, hold, 3.0, seed)
     shield = Shield(arms, room(), RATE, speed_limits=2.0, acceleration_limits=9.0)
@@ -235,7 +235,7 @@ def test_limits_of_joints_that_are_not_there_are_refused(arms: Model) -> None:
 
 
 @pytest.mark.parametrize(("speed", "acceleration"), [(1e4, 30.0), (1e4, 1e-3), (1e300, 1e-300), (None, 1e-2)])
-def test_a_limit_of_speed_that_is_never_reached_is_no_error_and_acceleration_is_kept(
+def test_a_speed_limit_beyond_reach_keeps_acceleration(
     arms: Model, speed: float | None, acceleration: float
 ) -> None:
     given = driven(arms, 60, RATE, 15, 3.0, 4)
@@ -263,7 +263,7 @@ def urdf(folder: Path, *velocities: str) -> Model:
     return load_avatar(folder / "r.urdf")
 
 
-def test_velocities_of_urdf_are_the_limits_of_speed_unless_others_are_stated(tmp_path: Path) -> None:
+def test_urdf_velocities_are_the_default_limits_of_speed(tmp_path: Path) -> None:
     model = urdf(tmp_path, "0.5", "1.25")
     given = driven(model, 60, RATE, 15, 1.5, 1)
     for limits, speed in (("file", (0.5, 1.25)), ({"j1": 3.0}, (0.5, 3.0)), (None, None)):
@@ -272,7 +272,7 @@ def test_velocities_of_urdf_are_the_limits_of_speed_unless_others_are_stated(tmp
         assert fastest == pytest.approx(speed, rel=1e-5) if speed else (fastest > 5.0).all()
 
 
-def test_a_urdf_joint_without_a_velocity_among_others_is_asked_for(tmp_path: Path) -> None:
+def test_refuses_a_urdf_joint_without_a_velocity(tmp_path: Path) -> None:
     for missing in ("", "0"):
         model = urdf(tmp_path, "0.5", missing)
         with pytest.raises(InvalidInput, match="j1"):

@@ -22,7 +22,7 @@ OPTIONS = Options(opinion=False)
 
 
 @pytest.mark.parametrize("name", ["cartwheel", "dance_a", "spinkick", "roll", "walk"])
-def test_planted_feet_of_recorded_clips_slide_no_more_than_in_the_recording(name: str) -> None:
+def test_planted_feet_slide_no_more_than_in_the_recording(name: str) -> None:
     human = load_avatar(data_file("humanoid/humanoid.urdf"), scale=0.25)
     motion = load_motion(data_file(f"data/motions/humanoid3d_{name}.txt")).motion(human)
     cleaned = clean(motion, human, (FLOOR,), OPTIONS)
@@ -36,7 +36,7 @@ def test_planted_feet_of_recorded_clips_slide_no_more_than_in_the_recording(name
         assert np.array_equal(getattr(motion, name)[kept], getattr(cleaned.motion, name)[kept])
 
 
-def test_the_lift_is_smooth_near_what_is_needed_and_none_in_free_frames() -> None:
+def test_the_lift_is_smooth_and_near_what_is_needed() -> None:
     needed, known, is_free = np.full(60, 0.02), np.ones(60, dtype=bool), np.zeros(60, dtype=bool)
     assert smooth_lift(needed, known, is_free, 1.5) == pytest.approx(needed, abs=1e-12)
     is_free[:10], known[30:40] = True, False

@@ -74,7 +74,7 @@ def test_the_same_motion_gives_the_same_bits() -> None:
     assert same(one.motion, other.motion).all()
 
 
-def test_a_start_that_overlaps_is_left_backwards_from_the_first_free_frame() -> None:
+def test_a_start_that_overlaps_is_freed_backwards() -> None:
     motion = lowered(swinging(60, 0.5), np.linspace(-0.3, 0.3, 60))
     cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
     require_clean(cleaned, FLOOR)
@@ -124,7 +124,7 @@ def test_joints_outside_their_limits_are_brought_within() -> None:
     assert cleaned.changed.any() and not cleaned.changed.all() and "limits" in {one.why for one in cleaned.flagged}
 
 
-def test_limbs_give_way_before_contact_and_without_blend_they_do_not() -> None:
+def test_limbs_give_way_before_contact_with_blend_alone() -> None:
     motion = dipping()
     early, late = (clean(motion, model(), (FLOOR,), replace(OPTIONS, blend=blend)) for blend in (0.1, 0.0))
     assert np.argmax(early.changed) < np.argmax(late.changed)
@@ -132,7 +132,7 @@ def test_limbs_give_way_before_contact_and_without_blend_they_do_not() -> None:
     require_clean(late, FLOOR)
 
 
-def test_free_frames_keep_the_input_where_that_leaves_little_jerk() -> None:
+def test_free_frames_keep_the_input_where_jerk_allows() -> None:
     times = np.arange(90)
     motion = lowered(swinging(90, 0.5), -0.2 * np.exp(-(((times - 45) / 1.5) ** 2)))
     cleaned = clean(motion, model(), (FLOOR,), OPTIONS)

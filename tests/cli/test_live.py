@@ -32,7 +32,7 @@ def recording(folder: Path, wrong: int = 0) -> Path:
 
 
 @pytest.mark.parametrize(("wrong", "code"), [(0, 0), (7, 1)])
-def test_a_recording_runs_again_and_its_first_difference_is_found(
+def test_a_recording_runs_again_up_to_its_first_difference(
     wrong: int, code: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = str(recording(tmp_path, wrong))

@@ -39,7 +39,7 @@ def certified(folder: Path) -> dict[str, Any]:
     return found
 
 
-def test_a_folder_is_cleaned_with_its_layout_certificate_and_pages(tmp_path: Path) -> None:
+def test_a_folder_is_cleaned_with_layout_and_certificate(tmp_path: Path) -> None:
     bvh(tmp_path / "in" / "b.bvh", frames=60)
     bvh(tmp_path / "in" / "deep" / "a.bvh", frames=50, seed=1)
     assert clean(tmp_path / "in", "-o", tmp_path / "out") == 0
@@ -106,7 +106,7 @@ def test_a_robot_is_cleaned_against_the_box_of_its_clip(tmp_path: Path, capsys: 
     assert ended("audit", path, "--avatar", model, "--object-scale", "2") == 2
 
 
-def test_excluded_pairs_and_those_that_overlap_at_home_are_certified(tmp_path: Path) -> None:
+def test_excluded_pairs_and_overlaps_at_home_are_certified(tmp_path: Path) -> None:
     hand = '<body name="hand" pos="-0.1 0 0"><joint name="wrist" range="-1 1"/><geom size="0.05"/></body>'
     tail = '<body name="tail" pos="-0.2 0 0"><joint name="tail" range="-1 1"/><geom size="0.03"/></body>'
     path = robot(tmp_path)
@@ -158,7 +158,7 @@ def test_what_is_done_is_not_done_again_unless_something_changed(tmp_path: Path,
     assert again() == {"a.bvh"}
 
 
-def test_what_earlier_commands_left_undone_stays_until_it_is_done(tmp_path: Path) -> None:
+def test_what_earlier_commands_left_undone_stays_so(tmp_path: Path) -> None:
     out, bad = tmp_path / "out", tmp_path / "bad.bvh"
     bad.write_text("cut off")
     assert clean(bvh(tmp_path / "a.bvh", frames=4), bad, "-o", out) == 3
@@ -311,7 +311,7 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
-def test_bvh_on_level_ground_needs_no_extra_and_goes_on_without_one(tmp_path: Path) -> None:
+def test_bvh_on_level_ground_needs_no_extra(tmp_path: Path) -> None:
     bvh(tmp_path / "in" / "a.bvh", frames=4)
     line = [sys.executable, "-c", BARE, "clean", str(tmp_path / "in"), "--room", "floor", "-o", str(tmp_path / "out")]
     for last in ("clean", "clean, done before"):
@@ -320,7 +320,7 @@ def test_bvh_on_level_ground_needs_no_extra_and_goes_on_without_one(tmp_path: Pa
         assert done.stdout.splitlines()[1].endswith(f"  {last}")
 
 
-def test_an_audit_tells_limits_from_overlap_and_names_the_deepest_pair(tmp_path: Path) -> None:
+def test_an_audit_tells_limits_from_overlap(tmp_path: Path) -> None:
     csv(tmp_path / "deep.csv")
     still = [["0", "0", "2", "0", "0", "0", "1", angle] for angle in ("0", "0.1", "0.1")]
     (tmp_path / "bent.csv").write_text("\n".join(map(",".join, still)) + "\n")

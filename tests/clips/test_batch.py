@@ -68,7 +68,7 @@ def test_a_second_command_keeps_what_the_first_left_undone(tmp_path: Path) -> No
     assert undone(tmp_path) == {}
 
 
-def test_a_clip_that_got_worse_is_not_done_beside_its_earlier_result(tmp_path: Path) -> None:
+def test_a_clip_that_got_worse_is_not_done_and_keeps_its_result(tmp_path: Path) -> None:
     ended(tmp_path, command(tmp_path, "x.bvh"), "x.bvh")
     ended(tmp_path, command(tmp_path, "x.bvh"), broken=BROKEN)
     ended(tmp_path, command(tmp_path, "b.bvh"), "b.bvh")

@@ -77,7 +77,7 @@ def test_there_and_back(system: str) -> None:
 
 
 @pytest.mark.parametrize("system", AXES)
-def test_turning_there_and_converting_is_converting_and_turning_here(system: str) -> None:
+def test_turning_and_converting_commute(system: str) -> None:
     there, _ = pair(system)
     p, q = drawn(100)
     _, here = there(p, q)

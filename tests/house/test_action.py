@@ -49,7 +49,7 @@ def test_no_input_is_put_into_a_script() -> None:
 
 
 @pytest.mark.parametrize(("package", "asked"), [("", f"{ROOT}[compare]"), ("avatarsim[compare]==1", "avatarsim[compare]==1")])
-def test_pip_is_asked_for_the_checkout_of_the_action_or_a_package(repository: Path, package: str, asked: str) -> None:
+def test_pip_installs_the_actions_checkout_or_a_package(repository: Path, package: str, asked: str) -> None:
     stand_in = repository / "stand_in"
     stand_in.write_text('#!/bin/sh\nprintf "%s\\n" "$@" > calls\n')
     stand_in.chmod(0o755)

@@ -63,7 +63,7 @@ def named_in_sources() -> list[tuple[str, str, str]]:
     return found
 
 
-def test_extras_that_bring_mujoco_take_the_same_versions_and_no_faulty_one() -> None:
+def test_extras_take_one_range_of_mujoco_and_no_faulty_version() -> None:
     bringing_it = [name for name in EXTRAS if "mujoco" in closure(EXTRAS[name])]
     assert set(bringing_it) == {"assets", "compare", "hand"}
     [taken] = {line for name in bringing_it for line in EXTRAS[name] if Requirement(line).name == "mujoco"}

@@ -76,7 +76,7 @@ def test_exactly_one_distribution_owns_mujoco() -> None:
     assert [name for name in _pins() if name.startswith("mujoco")] == ["mujoco"]
 
 
-def test_the_newest_release_of_the_changelog_is_the_version_of_the_package() -> None:
+def test_the_newest_release_is_the_version_of_the_package() -> None:
     released = re.findall(r"(?m)^## \[([\d.]+)\]", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"))
     assert released[0] == VERSION
 

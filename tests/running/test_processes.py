@@ -110,7 +110,7 @@ def test_tidy_tasks_share_processes_until_one_fails() -> None:
 
 
 @pytest.mark.parametrize("shared", [alone, tidy])
-def test_a_process_that_is_killed_while_it_sends_takes_no_other_along(shared: Callable[[str], bool]) -> None:
+def test_a_process_killed_while_it_sends_takes_no_other_along(shared: Callable[[str], bool]) -> None:
     from tests.running import test_processes
 
     words = ["half", "one", "half ", "two", "three"]

@@ -62,7 +62,7 @@ def test_a_convex_mesh_is_one_piece(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("nothing_runs")
-def test_too_many_vertices_are_enclosed_by_fewer_within_the_bound() -> None:
+def test_too_many_vertices_are_enclosed_within_the_bound() -> None:
     from scipy.spatial import ConvexHull as QuickHull
 
     round_one = ellipsoid_hull((1.0, 0.7, 0.5), 300).vertices

@@ -18,7 +18,7 @@ def test_a_sound_mesh_is_left_alone() -> None:
         np.testing.assert_array_equal(sound.mesh.triangles, soup[1])
 
 
-def test_equal_vertices_are_merged_and_said_but_not_for_formats_without_shared_ones() -> None:
+def test_equal_vertices_are_merged_and_reported() -> None:
     vertices, triangles = cube()
     loose = vertices[triangles].reshape(-1, 3), np.arange(36).reshape(-1, 3)
     sound = mended(mesh(loose))
@@ -67,7 +67,7 @@ def test_a_mesh_inside_out_is_turned_and_a_hollow_is_not() -> None:
     assert signed_volume(sound.mesh.corners) == pytest.approx(2.0)
 
 
-def test_an_open_surface_is_a_fault_with_the_number_of_its_border_edges() -> None:
+def test_an_open_surface_is_refused_with_its_border_edges() -> None:
     vertices, triangles = ell()
     sound = mended(mesh((vertices, triangles[1:]), "ell.obj"))
     assert [(fault.value, fault.open, fault.crossing) for fault in sound.faults] == [(3, True, False)]

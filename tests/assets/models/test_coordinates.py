@@ -41,7 +41,7 @@ def test_quaternions_become_unit_ones_and_stay_what_they_became(seed: int, lengt
     assert (of_puppet().rows(of_puppet().motion(once, np.arange(3.0))) == once).all()
 
 
-def test_the_order_of_the_file_is_not_that_of_the_links_and_references_are_taken_off() -> None:
+def test_coordinates_in_file_order_without_reference_angles() -> None:
     coordinates = robot().coordinates
     q = np.array([[0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3, 0.4]])
     motion = coordinates.motion(q, np.zeros(1))

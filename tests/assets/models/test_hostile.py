@@ -137,7 +137,7 @@ def test_plugins_of_other_programs_in_urdf_are_nothing_to_it(tmp_path: Path) -> 
         av.load_avatar(tmp_path / "robot.urdf")
 
 
-def test_nothing_is_left_behind_and_nothing_is_written_beside_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_loading_leaves_no_files_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scratch = tmp_path / "scratch"
     scratch.mkdir()
     monkeypatch.setattr("tempfile.tempdir", str(scratch))

@@ -23,7 +23,7 @@ TWO = (
 )
 
 
-def test_the_avatar_is_the_tree_with_most_joints_or_the_one_asked_for(tmp_path: Path) -> None:
+def test_the_avatar_is_the_tree_of_most_joints_or_that_asked_for(tmp_path: Path) -> None:
     path = written(tmp_path, TWO)
     by_default, asked = av.load_avatar(path), av.load_avatar(path, avatar="small")
     assert by_default.avatar is not None and [link.name for link in by_default.avatar.links] == ["big", "leg"]
@@ -144,7 +144,7 @@ def test_other_formats_are_refused_with_what_to_do(name: str, said: str, tmp_pat
             load(tmp_path / name)
 
 
-def test_includes_attached_models_and_folders_of_meshes_are_found_as_mujoco_does(tmp_path: Path) -> None:
+def test_includes_and_folders_of_meshes_are_found_as_mujoco_does(tmp_path: Path) -> None:
     (tmp_path / "parts").mkdir()
     (tmp_path / "meshes").mkdir()
     obj_of(tmp_path / "meshes", "cube.obj", *cube())
@@ -159,7 +159,7 @@ def test_includes_attached_models_and_folders_of_meshes_are_found_as_mujoco_does
     assert model.avatar is not None and [link.name for link in model.avatar.links] == ["hip", "left_leg"]
 
 
-def test_meshes_of_an_include_from_a_sibling_folder_are_found_as_mujoco_does(tmp_path: Path) -> None:
+def test_meshes_beside_a_sibling_include_are_found(tmp_path: Path) -> None:
     for name in ("parts/assets", "parts/meshes", "robot"):
         (tmp_path / name).mkdir(parents=True)
     obj_of(tmp_path / "parts" / "meshes", "cube.obj", *cube())

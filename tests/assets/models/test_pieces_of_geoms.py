@@ -152,7 +152,7 @@ def test_of_a_mesh_in_another_format_the_copy_beside_it_is_taken(tmp_path: Path)
     assert len(av.load_room(path).bodies[0].pieces) == 1
 
 
-def test_what_is_only_to_be_looked_at_is_left_unless_a_pair_names_it(tmp_path: Path) -> None:
+def test_a_visual_is_left_out_unless_a_pair_names_it(tmp_path: Path) -> None:
     geoms = '<geom name="seen" size="0.1" contype="0" conaffinity="0"/><geom name="felt" size="0.1"/>'
     assert set(room_of(tmp_path, geoms)) == {"felt"}
     body = '<body name="ball"><freejoint/><geom name="b" size="0.1" pos="0 0 1"/></body>'
@@ -188,7 +188,7 @@ SEEN = """
 """
 
 
-def test_visuals_are_the_geoms_that_viewers_show_in_the_frames_of_links(tmp_path: Path) -> None:
+def test_visuals_are_the_shown_geoms_in_frames_of_links(tmp_path: Path) -> None:
     obj_of(tmp_path, "m.obj", *ell())
     model = av.load_avatar(written(tmp_path, SEEN, head='<asset><mesh file="m.obj"/></asset>'))
     assert model.avatar is not None
@@ -207,7 +207,7 @@ def test_visuals_are_the_geoms_that_viewers_show_in_the_frames_of_links(tmp_path
     assert pieces == [av.Box((0.2, 0.2, 0.2)), av.Capsule(0.05, 0.2)]
 
 
-def test_the_visuals_of_a_room_keep_to_their_bodies_beside_an_avatar(tmp_path: Path) -> None:
+def test_visuals_of_a_room_keep_to_their_bodies(tmp_path: Path) -> None:
     obj_of(tmp_path, "m.obj", *ell())
     head = '<asset><mesh file="m.obj"/></asset>'
     model = av.load_avatar(written(tmp_path, SEEN, head=head))

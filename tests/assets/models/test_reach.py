@@ -37,7 +37,7 @@ def test_poses_are_those_of_mujoco(arms: Model) -> None:
 
 @settings(max_examples=40)
 @given(st.integers(0, 10**6))
-def test_places_that_some_posture_reaches_are_reached_within_limits(arms: Model, seed: int) -> None:
+def test_reachable_places_are_reached_within_limits(arms: Model, seed: int) -> None:
     rng = np.random.default_rng(seed)
     there = rng.uniform([-1.2, -1.5, -2.0, -1.5] * 2, [1.2, 1.5, -0.4, 1.5] * 2)
     goals = {name: arms.pose(there)[name][0] for name in ("left palm", "right palm")}

@@ -117,7 +117,7 @@ def test_friction_of_several_geoms_and_of_two_files(tmp_path: Path) -> None:
     assert scene.materials.contact(*scene.material_names).friction == 0.7
 
 
-def test_pairs_of_many_bodies_share_materials_unless_their_friction_differs(tmp_path: Path) -> None:
+def test_pairs_share_materials_unless_their_friction_differs(tmp_path: Path) -> None:
     bodies = "".join(f'<body pos="{k} 0 1"><freejoint/><geom name="g{k}" size=".1"/></body>' for k in range(210))
     pairs = "".join(f'<pair geom1="g{k}" geom2="g0"/>' for k in range(1, 210))
     model = av.load_room(mjcf(tmp_path, bodies, f"<contact>{pairs}</contact>"))
@@ -193,7 +193,7 @@ def test_a_mocap_pose_without_a_turn_is_unturned(tmp_path: Path) -> None:
     assert model.moving[0].links[0].orientation == (1.0, 0.0, 0.0, 0.0)
 
 
-def test_plugins_of_an_included_file_are_of_the_element_around_it(tmp_path: Path) -> None:
+def test_plugins_of_an_include_belong_to_the_element_around(tmp_path: Path) -> None:
     (tmp_path / "parts.xml").write_text('<mujocoinclude><plugin plugin="p"/><geom size=".1" pos="0 0 3"/></mujocoinclude>')
     model = av.load_avatar(mjcf(tmp_path, KEYED + '<body><include file="parts.xml"/></body>'))
     assert any("p" in said for said in model.said) and len(model.bodies) == 2
@@ -246,7 +246,7 @@ URDF = """<robot name="r"><material name="grey"><color rgba="1 1 1 1"/></materia
 <limit lower="-1" upper="1"/></joint></robot>"""
 
 
-def test_trees_that_are_no_avatar_are_reported_with_the_option_that_drives_all(tmp_path: Path) -> None:
+def test_trees_that_are_no_avatar_are_reported_with_an_option(tmp_path: Path) -> None:
     shape = '<geom size=".1"/>'
     arm = '<body name="{}" pos="{} 0 0"><joint axis="0 0 1"/>{}</body>'
     seen = shape.replace("/>", ' contype="0" conaffinity="0"/>')

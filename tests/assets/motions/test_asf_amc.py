@@ -175,7 +175,7 @@ def test_bones_that_slide_are_refused(tmp_path: Path) -> None:
         made(tmp_path, GOOD, asf)
 
 
-def test_whole_turns_are_left_out_of_the_motion_and_stay_in_the_file(tmp_path: Path) -> None:
+def test_whole_turns_stay_in_the_file_and_not_in_the_motion(tmp_path: Path) -> None:
     """A knee at 380 degrees is one at 20: within its limits as it is shown, and 380 where it is written."""
     values = rows(spread=1.0)
     values[:, 15] = 380.0

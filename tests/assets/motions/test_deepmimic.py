@@ -29,7 +29,7 @@ NUMBER = st.floats(-3.0, 3.0)
 
 
 @given(st.tuples(NUMBER, NUMBER, NUMBER, NUMBER), st.tuples(NUMBER, NUMBER, NUMBER))
-def test_turning_then_changing_axes_is_changing_axes_then_turning(q: tuple[float, ...], vector: tuple[float, ...]) -> None:
+def test_turning_and_changing_axes_commute(q: tuple[float, ...], vector: tuple[float, ...]) -> None:
     v = np.array(vector)
     if np.linalg.norm(q) < 1e-3:
         return
@@ -106,7 +106,7 @@ def test_a_figure_drawn_with_y_up_moves_as_one_drawn_with_z_up(tmp_path: Path) -
 
 
 @pytest.mark.parametrize("flat", [False, True])
-def test_rows_that_stay_keep_the_files_numbers_and_others_come_back(tmp_path: Path, flat: bool) -> None:
+def test_unchanged_rows_keep_their_numbers_and_others_come_back(tmp_path: Path, flat: bool) -> None:
     rows, path, model = moving(6), tmp_path / "some.txt", figure(flat)
     path.write_text(json.dumps({"Loop": "none", "More": [1, {"a": None}], "Frames": rows}))
     file = load_motion(path)

@@ -111,7 +111,7 @@ def test_the_avatar_stands_and_its_joints_are_the_familys(tmp_path: Path) -> Non
     assert sum(link.mass.mass for link in model.avatar.links) == pytest.approx(75.0, abs=3.0)
 
 
-def test_ranges_and_allowed_depths_of_a_body_do_not_depend_on_its_clip(tmp_path: Path) -> None:
+def test_ranges_and_allowed_depths_are_the_same_for_every_clip(tmp_path: Path) -> None:
     arrays = amass()
     bent = arrays | {"poses": arrays["poses"] + np.linspace(0.0, 1.2, 156)}
     files = [saved(tmp_path / f"{k}.npz", own) for k, own in enumerate((arrays, bent))]

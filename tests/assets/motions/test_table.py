@@ -65,7 +65,7 @@ FORMS = {
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_tables_of_every_kind_are_one_motion_that_keeps_the_text_of_rows_that_stay(tmp_path: Path, form: str) -> None:
+def test_tables_of_every_kind_are_one_motion_and_keep_their_text(tmp_path: Path, form: str) -> None:
     content, options, rate = FORMS[form]
     found = load_motion(written(tmp_path, content), **options)
     motion = found.motion(robot())
@@ -191,7 +191,7 @@ def test_options_that_are_none_are_refused(tmp_path: Path) -> None:
         load_motion(path, rate=0.0)
 
 
-def test_other_joints_than_those_of_the_first_row_are_refused_with_both(tmp_path: Path) -> None:
+def test_refuses_joints_that_the_first_row_contradicts(tmp_path: Path) -> None:
     path = written(tmp_path, text(LAFAN, (*ROOT, *JOINTS)))
     assert differs(load_motion(path, joints=",".join(JOINTS)).motion(robot()), expected()) < 1e-5
     with pytest.raises(InvalidFile) as refused:

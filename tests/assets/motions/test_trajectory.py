@@ -112,7 +112,7 @@ def raised(motion: Motion, first: int, last: int) -> Motion:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_conventions_of_several_tools_are_one_motion_and_are_written_again(tmp_path: Path, form: str) -> None:
+def test_conventions_of_all_tools_are_read_and_written_back(tmp_path: Path, form: str) -> None:
     arrays, options = FORMS[form]
     found, model = load_motion(saved(tmp_path / "some.npz", arrays), **options), robot()
     motion = found.motion(model)
@@ -276,7 +276,7 @@ def turning(frames: int, canonical: bool) -> np.ndarray:
 
 
 @pytest.mark.parametrize("canonical", [False, True])
-def test_quaternions_are_read_and_written_without_new_changes_of_sides(tmp_path: Path, canonical: bool) -> None:
+def test_quaternions_change_no_sides_in_reading_and_writing(tmp_path: Path, canonical: bool) -> None:
     q = turning(60, canonical)
     model = robot()
     own = model.coordinates.motion(q, np.arange(60) / 50.0)
