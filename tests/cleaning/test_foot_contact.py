@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from avatarsim.cleaning import Options, audit
-from avatarsim.cleaning.foot_contact import planted_feet, slip_speeds, soles
+from avatarsim.cleaning.foot_contact import planted_feet, slip_speeds
 from avatarsim.cleaning.whole_clip import chords_of
 from avatarsim.scene.motion import Motion
 from avatarsim.spatial import rotation
-from tests.cleaning.rooms import FLOOR, RATE, lowered, model, swinging
+from tests.cleaning.rooms import FLOOR, RATE, lowered, model, part, swinging
 
 OPTIONS = Options(opinion=False)
 SOLE = 0.38
@@ -18,16 +18,6 @@ SOLE = 0.38
 def standing(frames: int = 30, slide: float = 0.0, height: float = 0.0) -> Motion:
     """Return the walker with its legs down, its soles at a height [m] above the floor, sliding at a speed [m/s]."""
     return swinging(frames, SOLE + height, slide * (frames - 1) / RATE, swing=0.0)
-
-
-def part(motion: Motion, first: int, end: int) -> Motion:
-    some = slice(first, end)
-    return Motion(motion.times[some], motion.positions[some], motion.rotations[some], motion.angles[some])
-
-
-def test_legs_are_feet_and_the_trunk_is_none() -> None:
-    chords, _ = chords_of(standing(), model(), (FLOOR,), OPTIONS, ())
-    assert soles(chords).links == (1, 2)
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.1, 0.2])

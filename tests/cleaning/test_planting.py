@@ -46,12 +46,6 @@ def test_the_lift_is_smooth_and_near_what_is_needed() -> None:
     assert np.abs(np.diff(lift, 3)).max() < np.abs(np.diff(step, 3)).max()
 
 
-@pytest.mark.parametrize("frames", [1, 2, 3, 4])
-def test_short_clips_have_a_lift_too(frames: int) -> None:
-    every, none = np.ones(frames, dtype=bool), np.zeros(frames, dtype=bool)
-    assert smooth_lift(np.full(frames, 0.01), every, none, 1.2) == pytest.approx(0.01)
-
-
 def test_planted_links_weigh_more_and_feet_in_the_air_do_not() -> None:
     def planting(height: float) -> Planting:
         chords, motion = chords_of(lowered(swinging(40, 0.37, swing=0.0), np.full(40, height)), model(), (FLOOR,), OPTIONS, ())

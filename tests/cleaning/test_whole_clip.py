@@ -19,7 +19,7 @@ from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
 from benchmarks.cleaning import between, depths
 from reference.judging.judge import Judge
-from tests.cleaning.rooms import FLOOR, lowered, model, swinging, walker, wall
+from tests.cleaning.rooms import FLOOR, dipping, lowered, model, swinging, walker, wall
 
 OPTIONS = Options(opinion=False)
 
@@ -37,12 +37,6 @@ def same(one: Motion, other: Motion) -> np.ndarray:
     """Return (F,) frames that are equal to the bit."""
     pairs = (one.positions, other.positions), (one.rotations, other.rotations), (one.angles, other.angles)
     return np.all([(a == b).reshape(len(a), -1).all(axis=1) for a, b in pairs], axis=0)
-
-
-def dipping() -> Motion:
-    """Return a motion: free for a second, into the floor for half a second, free again."""
-    times = np.arange(90)
-    return lowered(swinging(90, 0.5), -0.2 * np.exp(-(((times - 45) / 8.0) ** 2)))
 
 
 def test_a_dip_into_the_floor_is_lifted_and_the_rest_stays() -> None:
@@ -67,11 +61,6 @@ def test_a_free_motion_comes_back_to_the_bit() -> None:
     cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
     assert same(motion, cleaned.motion).all() and not cleaned.changed.any() and cleaned.flagged == ()
     assert cleaned.moved.link_rms.max() == 0.0 and cleaned.moved.joint_p95.max() == 0.0
-
-
-def test_the_same_motion_gives_the_same_bits() -> None:
-    one, other = (clean(dipping(), model(), (FLOOR,), OPTIONS) for _ in range(2))
-    assert same(one.motion, other.motion).all()
 
 
 def test_a_start_that_overlaps_is_freed_backwards() -> None:

@@ -87,12 +87,6 @@ def test_an_installed_engine_names_what_its_metadata_lists(tmp_path: Path, monke
     assert bringing("nothing", "coacd", tmp_path) == "pip install coacd"
 
 
-def test_files_need_readers_of_meshes_coacd_and_mujocos_compiler() -> None:
-    wanted = {"trimesh", "pycollada", "coacd", "fast-simplification", "mujoco"}
-    assert {Requirement(line).name for line in EXTRAS["assets"]} == wanted
-    assert not closure(EXTRAS["assets"]) & {"gymnasium", "gymnasium-robotics", "pybullet"}
-
-
 def test_from_a_checkout_the_command_names_its_folder() -> None:
     said = str(MissingPackage("trimesh", "assets", "reading .stl meshes"))
     [(quoted, folder)] = re.findall(r"pip install ('?([^'\[]+)\[assets\]'?), or `make setup`", said)

@@ -260,15 +260,6 @@ def test_trees_that_are_no_avatar_are_reported_with_an_option(tmp_path: Path) ->
     assert sum("c is no avatar" in said and "avatar=(" not in said for said in both.said) == 1
 
 
-def test_visuals_that_do_not_compile_are_not_read(tmp_path: Path) -> None:
-    path = tmp_path / "r.urdf"
-    path.write_text(URDF.format('<collision><geometry><sphere radius="0.1"/></geometry></collision>'))
-    model = av.load_avatar(path)
-    assert model.avatar is not None
-    (piece,) = (piece for link in model.avatar.links for piece in link.pieces)
-    assert isinstance(piece.shape, av.Sphere)
-
-
 @pytest.mark.parametrize("missing", [False, True])
 def test_pages_draw_visuals_of_urdf_where_they_compile(tmp_path: Path, missing: bool) -> None:
     more = '<visual><geometry><mesh filename="none.stl"/></geometry></visual>' if missing else ""

@@ -13,7 +13,6 @@ from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.smpl_skeleton import TREES, approximate, theirs
 from avatarsim.assets.motions.load import load_motion
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
-from avatarsim.scene.joint import Ball, Free
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import poses_of_links
 from avatarsim.scene.written import written as scene_data
@@ -93,22 +92,6 @@ def test_joints_are_where_matrices_put_them(tmp_path: Path, member: str, up: str
         expected = np.stack([expected[..., 0], -expected[..., 2], expected[..., 1]], axis=-1)
     assert np.abs(shown - expected).max() < 1e-12
     assert np.allclose(found.motion(model).times, np.arange(FRAMES) / 120.0)
-
-
-def test_the_avatar_stands_and_its_joints_are_the_familys(tmp_path: Path) -> None:
-    arrays = amass()
-    arrays["poses"] = np.tile(np.r_[STANDING, np.zeros(153)], (FRAMES, 1))
-    found = load_motion(saved(tmp_path / "some.npz", arrays))
-    model = found.model()
-    assert model.coordinates.names == tuple(name for name, _ in TREES["SMPL-H"])
-    assert isinstance(model.avatar.links[0].joint, Free) and all(isinstance(link.joint, Ball) for link in model.avatar.links[1:])
-    shown = links(model, found.motion(model))
-    names = model.coordinates.names
-    assert shown[0, names.index("head"), 2] - shown[0, names.index("left_foot"), 2] == pytest.approx(1.5, abs=0.1)
-    # it looks along -y, so that its left is along x
-    assert shown[0, names.index("left_wrist"), 0] - shown[0, names.index("right_wrist"), 0] > 1.0
-    assert shown[0, names.index("left_foot"), 1] < shown[0, names.index("left_ankle"), 1]
-    assert sum(link.mass.mass for link in model.avatar.links) == pytest.approx(75.0, abs=3.0)
 
 
 def test_ranges_and_allowed_depths_are_the_same_for_every_clip(tmp_path: Path) -> None:
@@ -212,10 +195,3 @@ def test_options_of_the_other_kind_are_refused(tmp_path: Path) -> None:
         load_motion(trajectory, stature=1.7)
     with pytest.raises(UnknownName, match="up"):
         load_motion(body, up="x")
-
-
-def test_objects_beside_the_pose_are_left_out(tmp_path: Path) -> None:
-    np.savez(tmp_path / "some.npz", **amass(), labels=np.array([{}], dtype=object))
-    found = load_motion(tmp_path / "some.npz")
-    model = found.model()
-    assert "labels" not in entries(found.written(found.motion(model), model))
