@@ -243,7 +243,7 @@ def without(key: str) -> dict[str, Any]:
 
 
 def spoiled(key: str, value: Any) -> dict[str, Any]:
-    return {**{name: values for name, values in gmr().items()}, key: value}
+    return {**gmr(), key: value}
 
 
 @pytest.mark.parametrize(("arrays", "says"), [
@@ -252,6 +252,8 @@ def spoiled(key: str, value: Any) -> dict[str, Any]:
     (without("fps"), "frames a second of some.npz"),
     ({**holosoma(), "joint_names": np.array(["a", "b", "c", "d"])}, "missing: waist, left_shoulder"),
     ({**holosoma(), "joint_names": np.array([1, 2, 3, 4])}, "row of names"),
+    ({"fps": 50, "joint_pos": np.ones((5, 12)), "joint_names": JOINTS}, "columns of some.npz is 12; valid: 11"),
+    ({"fps": 50, "joint_pos": np.ones((5, 12)), "joint_names": [*JOINTS, "waist"]}, "joint of some.npz is 'waist'.*once"),
     (spoiled("root_rot", np.zeros((FRAMES, 3))), "shape of root_rot"),
     (spoiled("root_rot", np.zeros((FRAMES, 4))), "length of the quaternion of floating_base in frame 0"),
     (spoiled("root_pos", np.zeros((FRAMES - 1, 3))), "frames of some.npz"),
@@ -264,6 +266,11 @@ def spoiled(key: str, value: Any) -> dict[str, Any]:
 def test_files_that_do_not_fit_end_in_a_sentence(tmp_path: Path, arrays: Mapping[str, Any], says: str) -> None:
     with pytest.raises(InvalidFile, match=says):
         load_motion(saved(tmp_path / "some.npz", arrays)).motion(robot())
+
+
+def test_a_fixed_robot_is_driven_by_no_root(tmp_path: Path) -> None:
+    with pytest.raises(InvalidFile, match="root of some.npz.*free root"):
+        load_motion(saved(tmp_path / "some.npz", loco())).motion(robot(free=False))
 
 
 def turning(frames: int, canonical: bool) -> np.ndarray:
