@@ -176,11 +176,6 @@ def test_an_arm_that_is_bolted_down_slides_along_a_wall(first: float) -> None:
     assert cleaned.motion.angles[-1, 0] > 0.5
 
 
-def ignoring() -> Model:
-    """Return the walker, with legs that are declared never to meet."""
-    return Model(replace(walker(), ignore=(("left", "right"),)), None, (), ())
-
-
 def crossed() -> Motion:
     """Return legs that swing into each other."""
     motion = swinging(30, 1.0, swing=0.0)
@@ -190,7 +185,8 @@ def crossed() -> Motion:
 
 
 def test_excluded_pairs_are_measured() -> None:
-    found = audit(crossed(), ignoring(), (), OPTIONS)
+    ignoring = Model(replace(walker(), ignore=(("left", "right"),)), None, (), ())
+    found = audit(crossed(), ignoring, (), OPTIONS)
     (pair,) = found.excluded
     assert (pair.a, pair.b) == ("walker/left", "walker/right") and pair.depth > 0.005 and found.overlapping == 0
     seen = audit(crossed(), model(), (), OPTIONS)

@@ -167,6 +167,13 @@ def test_what_earlier_commands_left_undone_stays_so(tmp_path: Path) -> None:
     assert [(one["name"], one["kind"]) for one in certified(out)["not_done"]] == [("bad.bvh", "unreadable")]
     bvh(bad, frames=4)
     assert clean(bad, "-o", out) == 0 and certified(out)["not_done"] == []
+    # one that got worse is not done, beside its earlier result
+    bad.write_text("cut off")
+    assert clean(bad, "-o", out) == 3 and clean(tmp_path / "b.bvh", "-o", out) == 0
+    assert [one["name"] for one in certified(out)["not_done"]] == ["bad.bvh"]
+    assert [one["motion"] for one in certified(out)["clips"]] == ["a.bvh", "b.bvh", "bad.bvh"]
+    assert "1 not done" in (out / "index.html").read_text("utf-8")
+    bvh(bad, frames=4)
     whole = certificate.MARK + "damaged"
     (out / "certificate.json").write_text(whole)
     assert clean(bad, "-o", out) == 0 and certified(out)["not_done"] == []

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avatarsim.assets.meshes import hausdorff as added
-from avatarsim.assets.meshes import hausdorff as uncovered
+from avatarsim.assets.meshes import hausdorff
 from avatarsim.assets.meshes.hausdorff import RESOLUTION, Deviation, deviation
 from avatarsim.assets.meshes.hulls import Hull, hull_of
 from avatarsim.assets.meshes.mesh_queries import inside_closed, point_triangle
@@ -91,8 +90,8 @@ def test_no_sample_exceeds_the_bound(seed: int) -> None:
 def test_the_bound_of_an_early_stop_is_looser_and_holds(monkeypatch: pytest.MonkeyPatch) -> None:
     hulls, soup = [hull_of(torus()[0], "torus")], torus()
     sharp = bounds(hulls, soup)
-    monkeypatch.setattr(added, "MOST_BOXES", 3)
-    monkeypatch.setattr(uncovered, "MOST_TRIANGLES", 3)
+    monkeypatch.setattr(hausdorff, "MOST_BOXES", 3)
+    monkeypatch.setattr(hausdorff, "MOST_TRIANGLES", 3)
     loose = bounds(hulls, soup)
     assert loose.added > sharp.added >= 0.7
     shrunk = [hull_of(0.9 * torus()[0], "torus")]
