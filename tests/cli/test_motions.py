@@ -314,17 +314,17 @@ for name in ("coacd", "coal", "distributed", "joblib", "jsonschema", "mujoco", "
     sys.modules[name] = None
 from avatarsim.cli import main
 from avatarsim.cli.motions import verdict
-sys.exit(main(sys.argv[1:]))
+sys.exit(main(sys.argv[1:]) or main(sys.argv[1:]))
 """
 
 
 def test_bvh_on_level_ground_needs_no_extra(tmp_path: Path) -> None:
     bvh(tmp_path / "in" / "a.bvh", frames=4)
     line = [sys.executable, "-c", BARE, "clean", str(tmp_path / "in"), "--room", "floor", "-o", str(tmp_path / "out")]
-    for last in ("clean", "clean, done before"):
-        done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, timeout=300)
-        assert done.returncode == 0, done.stderr
-        assert done.stdout.splitlines()[1].endswith(f"  {last}")
+    done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    assert [row.partition("  ")[2].split("  ")[-1] for row in done.stdout.splitlines() if row.startswith("a.bvh")] == [
+        "clean", "clean, done before"]
 
 
 def test_an_audit_tells_limits_from_overlap(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from avatarsim.assets.models import compile_process, compiled
 
-APART = {"test_compiled", "test_public_models", "test_killed", "test_cluster"}
+APART = {"test_public_models", "test_killed", "test_cluster"}
 """Files of tests in which models are compiled as users do it."""
 IN_A_PROCESS = compiled._run
 """The compiler in a process of its own, with limits."""

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from avatarsim.assets.models.coordinates import Coordinates, Slot
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions.load import load_motion
+from avatarsim.assets.motions.matching import Layout, columns, coordinates_of_model
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import poses_of_links
@@ -312,3 +314,16 @@ def test_balls_are_rows_of_four(tmp_path: Path) -> None:
     found = load_motion(saved(tmp_path / "some.npz", {"qpos": q, "fps": 30}))
     motion = found.motion(puppet())
     assert np.allclose(np.abs((motion.rotations[:, 1] * q[:, 7:11]).sum(axis=1)), 1.0) and np.allclose(motion.angles, q[:, 11:])
+
+
+def test_a_body_without_joints_is_driven_by_no_robots_motion() -> None:
+    cube = Coordinates((Slot("cube", "free", 0),), 1, 0)
+    with pytest.raises(InvalidFile, match="joints of a is '?waist, .*at least one of the avatar's: cube"):
+        columns("a", Layout(JOINTS, "wxyz"), 11, cube)
+    assert columns("a", Layout(("cube",), "wxyz"), 7, cube).tolist() == [*range(7)]
+    assert columns("a", Layout((), "wxyz"), 7, cube).tolist() == [*range(7)]
+
+
+def test_a_room_has_no_joints() -> None:
+    with pytest.raises(InvalidFile, match=r"avatar for a\.csv"):
+        coordinates_of_model("a.csv", Model(None, None, (), ()))
