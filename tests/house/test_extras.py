@@ -44,7 +44,8 @@ def named_in_sources() -> list[tuple[str, str, str]]:
     """Return (file, package, extra) of each MissingPackage that is raised with both as literals."""
     found = []
     for path in (*ROOT.glob("avatarsim/**/*.py"), *ROOT.glob("scenarios/**/*.py"), *ROOT.glob("reference/**/*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        text = path.read_text(encoding="utf-8")
+        for node in ast.walk(ast.parse(text)) if "MissingPackage(" in text else ():
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "MissingPackage":
                 package, extra = node.args[:2]
                 if isinstance(package, ast.Constant) and isinstance(extra, ast.Constant):

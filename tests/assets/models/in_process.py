@@ -29,5 +29,10 @@ def run_here(path: Path, folder: Path, scale: float, collide: str) -> bytes:
 def models_compiled_here(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Compile the models of a test in this process, without limits."""
     if request.path.stem not in APART:
-        monkeypatch.setattr(compile_process, "limit", lambda seconds: None)
-        monkeypatch.setattr(compiled, "_run", run_here)
+        compile_here(monkeypatch)
+
+
+def compile_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Compile models in this process until the end of a test."""
+    monkeypatch.setattr(compile_process, "limit", lambda seconds: None)
+    monkeypatch.setattr(compiled, "_run", run_here)
