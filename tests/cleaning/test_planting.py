@@ -44,6 +44,9 @@ def test_the_lift_is_smooth_and_near_what_is_needed() -> None:
     assert np.all(lift[:10] == 0.0) and lift[20:28] == pytest.approx(0.02, abs=1e-3) and lift.max() < 0.025
     step = np.where(is_free, 0.0, needed)
     assert np.abs(np.diff(lift, 3)).max() < np.abs(np.diff(step, 3)).max()
+    for frames in (1, 2, 3, 4):
+        every, none = np.ones(frames, dtype=bool), np.zeros(frames, dtype=bool)
+        assert smooth_lift(np.full(frames, 0.01), every, none, 1.2) == pytest.approx(0.01)
 
 
 def test_planted_links_weigh_more_and_feet_in_the_air_do_not() -> None:
