@@ -225,9 +225,7 @@ def test_limits_of_joints_that_are_not_there_are_refused(arms: Model) -> None:
 
 
 @pytest.mark.parametrize(("speed", "acceleration"), [(1e4, 30.0), (1e4, 1e-3), (1e300, 1e-300), (None, 1e-2)])
-def test_a_speed_limit_beyond_reach_keeps_acceleration(
-    arms: Model, speed: float | None, acceleration: float
-) -> None:
+def test_a_speed_limit_beyond_reach_keeps_acceleration(arms: Model, speed: float | None, acceleration: float) -> None:
     given = driven(arms, 60, RATE, 15, 3.0, 4)
     shields = [Shield(arms, room(), RATE, speed_limits=one, acceleration_limits=acceleration) for one in (speed, None)]
     rows, ways = drive(shields[0], given)

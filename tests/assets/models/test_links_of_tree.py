@@ -182,9 +182,7 @@ def test_limits_of_a_follower_narrow_its_leaders(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("equalities", "thing"), [
     (("ba 0 1 0.5 0 0",), "c2=0.5"), (("ba 0 2 0 0 0", "ba 0 1 0 0 0"), "coupling"),
 ])
-def test_refuses_curved_and_contradicting_couplings(
-    equalities: tuple[str, ...], thing: str, tmp_path: Path
-) -> None:
+def test_refuses_curved_and_contradicting_couplings(equalities: tuple[str, ...], thing: str, tmp_path: Path) -> None:
     with pytest.raises(InvalidFile, match=thing):
         av.load_avatar(coupled(tmp_path, *equalities))
 
