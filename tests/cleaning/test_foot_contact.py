@@ -26,6 +26,7 @@ def test_the_speed_of_feet_that_slide_is_measured(speed: float) -> None:
 
 
 def test_high_or_fast_feet_are_not_planted() -> None:
+    """Without a room there are none."""
     for motion in (standing(height=0.1), standing(slide=1.0)):
         assert np.isnan(audit(motion, model(), (FLOOR,), OPTIONS).foot_slide)
     assert np.isnan(audit(standing(), model(), (), OPTIONS).foot_slide)

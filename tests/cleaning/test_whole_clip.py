@@ -33,6 +33,13 @@ def require_clean(cleaned: Cleaned, *bodies: object) -> None:
     assert depths(judge, between(cleaned.motion)).max() <= 1e-6
 
 
+def on_the_floor(motion: Motion) -> Cleaned:
+    """Return a motion of the walker on the floor as it is cleaned; it is clean."""
+    cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
+    require_clean(cleaned, FLOOR)
+    return cleaned
+
+
 def same(one: Motion, other: Motion) -> np.ndarray:
     """Return (F,) frames that are equal to the bit."""
     pairs = (one.positions, other.positions), (one.rotations, other.rotations), (one.angles, other.angles)
@@ -65,8 +72,7 @@ def test_a_free_motion_comes_back_to_the_bit() -> None:
 
 def test_a_start_that_overlaps_is_freed_backwards() -> None:
     motion = lowered(swinging(60, 0.5), np.linspace(-0.3, 0.3, 60))
-    cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
-    require_clean(cleaned, FLOOR)
+    cleaned = on_the_floor(motion)
     assert cleaned.before.depths[0] > 0.1 and cleaned.changed[0] and not cleaned.changed[-1]
     # near the input, not merely free: in the first frame it is upright on the floor
     assert 0.0 < cleaned.motion.positions[0, 0, 2] < 0.45
@@ -74,8 +80,7 @@ def test_a_start_that_overlaps_is_freed_backwards() -> None:
 
 def test_a_motion_without_any_free_frame_is_lifted_out() -> None:
     motion = swinging(45, 0.2)
-    cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
-    require_clean(cleaned, FLOOR)
+    cleaned = on_the_floor(motion)
     assert cleaned.changed.all() and np.isnan(cleaned.before.jerk_free)
     assert cleaned.motion.positions[:, 0, 2].max() < 0.6
 
@@ -118,8 +123,7 @@ def test_limbs_give_way_before_contact_with_blend_alone() -> None:
 def test_free_frames_keep_the_input_where_jerk_allows() -> None:
     times = np.arange(90)
     motion = lowered(swinging(90, 0.5), -0.2 * np.exp(-(((times - 45) / 1.5) ** 2)))
-    cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
-    require_clean(cleaned, FLOOR)
+    cleaned = on_the_floor(motion)
     assert cleaned.changed.any() and np.array_equal(cleaned.changed, cleaned.held)
     assert np.array_equal(same(motion, cleaned.motion), ~cleaned.held)
     assert cleaned.after.jerk_free <= 1.5 * cleaned.before.jerk_free

@@ -33,8 +33,8 @@ def ended(*words: object) -> int:
         return int(str(end.code))
 
 
-def certified(folder: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((folder / "certificate.json").read_text())
+def certified(folder: Path, name: str = "certificate.json") -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / name).read_text())
     jsonschema.validate(found, certificate.schema())
     return found
 
@@ -66,7 +66,7 @@ def test_what_is_cleaned_is_found_clean_and_what_was_not_is_not(tmp_path: Path) 
     audit = ["audit", "--room", "floor", "--workers", "0"]
     assert main([*audit, str(tmp_path / "a.bvh"), "-o", str(tmp_path / "measures")]) == 1
     assert [path.name for path in (tmp_path / "measures").iterdir()] == ["audit.json"]
-    jsonschema.validate(json.loads((tmp_path / "measures" / "audit.json").read_text()), certificate.schema())
+    certified(tmp_path / "measures", "audit.json")
     assert clean(tmp_path / "a.bvh", "-o", tmp_path / "out") == 0
     before = content(tmp_path)
     assert main([*audit, str(tmp_path / "out" / "a.bvh")]) == 0
@@ -117,13 +117,12 @@ def test_excluded_pairs_and_overlaps_at_home_are_certified(tmp_path: Path) -> No
         (tmp_path / name).write_text("\n".join(f"{row},0,0" for row in rows) + "\n")
     line = ["audit", str(tmp_path / "in"), "--avatar", str(path), "--workers", "0", "-o", str(tmp_path / "out")]
     main(line)
-    whole = json.loads((tmp_path / "out" / "audit.json").read_text())
-    for one in whole["clips"]:
+    for one in certified(tmp_path / "out", "audit.json")["clips"]:
         assert [(pair["a"], pair["b"]) for pair in one["excluded"]] == [("stick/arm", "stick/tail")]
         (pair,) = one["at_rest"]
         assert (pair["a"], pair["b"]) == ("stick/base", "stick/hand") and pair["allowed_m"] > 0.0
     main([*line[:-1], str(tmp_path / "other"), "--exclude", "base:hand"])
-    one = json.loads((tmp_path / "other" / "audit.json").read_text())["clips"][0]
+    one = certified(tmp_path / "other", "audit.json")["clips"][0]
     assert ("stick/base", "stick/hand") in [(pair["a"], pair["b"]) for pair in one["excluded"]] and one["at_rest"] == []
 
 
@@ -335,9 +334,7 @@ def test_an_audit_tells_limits_from_overlap(tmp_path: Path) -> None:
     clips = [str(tmp_path / f"{name}.csv") for name in ("deep", "bent", "good")]
     words = ["audit", *clips, "--avatar", str(robot(tmp_path)), "--room", "floor", "--workers", "0", "-o", str(tmp_path / "out")]
     assert main(words) == 1
-    whole = json.loads((tmp_path / "out" / "audit.json").read_text())
-    jsonschema.validate(whole, certificate.schema())
-    found = {one["motion"]: one for one in whole["clips"]}
+    found = {one["motion"]: one for one in certified(tmp_path / "out", "audit.json")["clips"]}
     verdicts = {name: verdict(one) for name, one in found.items()}
     assert verdicts == {"deep.csv": "OVERLAPS", "bent.csv": "BEYOND LIMITS", "good.csv": "clean"}
     deepest = found["deep.csv"]["overlap"]["before"]

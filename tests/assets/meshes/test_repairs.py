@@ -18,6 +18,7 @@ def test_a_sound_mesh_is_left_alone() -> None:
 
 
 def test_equal_vertices_are_merged_and_reported() -> None:
+    """Formats without shared vertices are not reported."""
     vertices, triangles = cube()
     loose = vertices[triangles].reshape(-1, 3), np.arange(36).reshape(-1, 3)
     sound = mended(mesh(loose))

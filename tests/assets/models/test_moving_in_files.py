@@ -51,6 +51,7 @@ def test_a_weld_without_effect_here_attaches_nothing(weld: str, tmp_path: Path) 
 
 
 def test_refuses_a_welded_tool_that_starts_in_something_fixed(tmp_path: Path) -> None:
+    """One that starts in what carries it never touches that."""
     weld = '<equality><weld body1="wrist" body2="tool"/></equality>'
     shelf = '<geom name="shelf" type="box" size=".1 .1 .04" pos=".5 0 .65"/>'
     with pytest.raises(av.StartOverlaps) as error:

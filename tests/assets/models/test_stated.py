@@ -201,42 +201,31 @@ def test_plugins_of_an_include_belong_to_the_element_around(tmp_path: Path) -> N
     shaped = '<asset><mesh name="m"><include file="parts.xml"/></mesh></asset>'
     with pytest.raises(InvalidFile, match="plugin"):
         av.load_avatar(mjcf(tmp_path, KEYED, shaped))
-
-
-@pytest.mark.parametrize("content", [
-    '<extension><plugin plugin="p"/></extension>', '<!-- nothing but plugins --><extension><plugin plugin="p"/></extension>',
-])
-def test_an_included_file_of_plugins_alone_is_left_out(content: str, tmp_path: Path) -> None:
-    (tmp_path / "parts.xml").write_text(f"<mujocoinclude>{content}</mujocoinclude>")
-    model = av.load_avatar(mjcf(tmp_path, KEYED, '<include file="parts.xml"/>'))
-    assert model.avatar is not None and any("p" in said for said in model.said)
-
-
-def test_tuples_that_name_actuators_are_left_out_with_them(tmp_path: Path) -> None:
-    rest = (
-        '<actuator><motor name="m" joint="j"/></actuator>'
-        '<custom><tuple name="t"><element objtype="actuator" objname="m"/></tuple></custom>'
-    )
-    assert av.load_avatar(mjcf(tmp_path, KEYED, rest)).avatar is not None
-
-
-def test_points_of_deformable_bodies_are_no_avatar(tmp_path: Path) -> None:
-    cloth = '<flexcomp name="f" type="grid" count="2 2 1" spacing=".1 .1 .1" radius=".01" dim="2"/>'
-    model = av.load_avatar(mjcf(tmp_path, KEYED + cloth))
-    assert model.avatar is not None and [link.name for link in model.avatar.links] == ["base", "arm"]
-
-
-def test_plugins_that_move_nothing_are_left_out(tmp_path: Path) -> None:
-    plugins = (
-        '<extension><plugin plugin="mujoco.pid"><instance name="i"><config key="kp" value="4"/></instance></plugin>'
-        '</extension>'
-        '<actuator><plugin plugin="mujoco.pid" instance="i" joint="j"/></actuator>'
-    )
-    model = av.load_avatar(mjcf(tmp_path, KEYED, plugins))
-    assert any("mujoco.pid" in said for said in model.said) and model.avatar is not None and len(model.avatar.links) == 2
-    shaped = '<body><geom type="sdf" mesh="g"><plugin plugin="mujoco.sdf.gear"/></geom></body>'
     with pytest.raises(InvalidFile, match="plugin"):
-        av.load_room(mjcf(tmp_path, shaped))
+        av.load_room(mjcf(tmp_path, '<body><geom type="sdf" mesh="g"><plugin plugin="mujoco.sdf.gear"/></geom></body>'))
+
+
+PLUGINS = '<extension><plugin plugin="some.pid"><instance name="i"><config key="kp" value="4"/></instance></plugin></extension>'
+LEFT_OUT = {
+    "an included file of plugins": ("", '<include file="parts.xml"/>', "some.pid"),
+    "one that begins with a comment": ("", '<include file="noted.xml"/>', "some.pid"),
+    "a tuple that names an actuator": ("", '<actuator><motor name="m" joint="j"/></actuator>'
+                                       '<custom><tuple name="t"><element objtype="actuator" objname="m"/></tuple></custom>', ""),
+    "points of a deformable body": (
+        '<flexcomp name="f" type="grid" count="2 2 1" spacing=".1 .1 .1" radius=".01" dim="2"/>', "", ""),
+    "a plugin that drives": ("", PLUGINS + '<actuator><plugin plugin="some.pid" instance="i" joint="j"/></actuator>', "some.pid"),
+}
+"""Name -> elements of the world and beside it that are no part of an avatar, and a word of the report."""
+
+
+@pytest.mark.parametrize("name", LEFT_OUT)
+def test_what_is_no_part_of_an_avatar_is_left_out(tmp_path: Path, name: str) -> None:
+    world, rest, word = LEFT_OUT[name]
+    (tmp_path / "parts.xml").write_text(f"<mujocoinclude>{PLUGINS}</mujocoinclude>")
+    (tmp_path / "noted.xml").write_text(f"<mujocoinclude><!-- nothing but plugins -->{PLUGINS}</mujocoinclude>")
+    model = av.load_avatar(mjcf(tmp_path, KEYED + world, rest))
+    assert model.avatar is not None and [link.name for link in model.avatar.links] == ["base", "arm"]
+    assert any(word in said for said in model.said)
 
 
 URDF = """<robot name="r"><material name="grey"><color rgba="1 1 1 1"/></material><material name="grey"/>
