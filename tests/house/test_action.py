@@ -10,6 +10,8 @@ from xml.etree import ElementTree
 
 import pytest
 
+from tests.own_cache import around_kernels
+
 yaml = pytest.importorskip("yaml")
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -29,8 +31,8 @@ def ran(name: str, folder: Path, **inputs: str) -> subprocess.CompletedProcess[s
     expression = re.compile(r"\$\{\{ ([\w.-]+) \}\}")
     environment = {key: expression.sub(lambda found: values[found[1]], text) for key, text in step["env"].items()}
     if "AVATARSIM_CACHE_DIR" in environment:
-        # the kernels of this checkout
-        environment["AVATARSIM_CACHE_DIR"] = str(folder / "kernels")
+        # with the kernels that are compiled already
+        environment["AVATARSIM_CACHE_DIR"] = str(around_kernels())
     known = {**os.environ, **environment, "GITHUB_STEP_SUMMARY": str(folder / "summary.md"), "PYTHONPATH": str(ROOT)}
     assert step["shell"] == "bash"
     shell = ["bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", step["run"]]
