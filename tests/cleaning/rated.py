@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from avatarsim.assets.models.coordinates import WIDTHS, Coordinates, coordinates_of
 from avatarsim.assets.models.load import load_avatar
@@ -103,11 +104,8 @@ def steps_of(model: Model, rows: np.ndarray) -> list[np.ndarray]:
         if slot.kind == "free":
             found.append(np.diff(own[:, :3], axis=0))
         if slot.kind in ("free", "ball"):
-            turns = rotation.multiply(rotation.conjugate(own[:-1, -4:]), own[1:, -4:])
-            turns *= np.where(turns[:, :1] < 0.0, -1.0, 1.0)
-            sines = np.linalg.norm(turns[:, 1:], axis=1)
-            angles = 2.0 * np.arctan2(sines, turns[:, 0])
-            found.append(turns[:, 1:] * np.divide(angles, sines, out=np.full_like(angles, 2.0), where=sines > 1e-12)[:, None])
+            turns = Rotation.from_quat(own[:, -4:], scalar_first=True)
+            found.append((turns[:-1].inv() * turns[1:]).as_rotvec())
         else:
             found.append(np.diff(own, axis=0))
         first += WIDTHS[slot.kind]

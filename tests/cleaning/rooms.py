@@ -51,6 +51,17 @@ def lowered(motion: Motion, heights: np.ndarray) -> Motion:
     return Motion(motion.times, positions, motion.rotations, motion.angles)
 
 
+def dipping(frames: int = 90, lowest: int = 45) -> Motion:
+    """Return a motion that is free, into the floor for half a second about a frame, and free again."""
+    return lowered(swinging(frames, 0.5), -0.2 * np.exp(-(((np.arange(frames) - lowest) / 8.0) ** 2)))
+
+
+def part(motion: Motion, first: int, end: int) -> Motion:
+    """Return the frames from `first` to before `end`."""
+    some = slice(first, end)
+    return Motion(motion.times[some], motion.positions[some], motion.rotations[some], motion.angles[some])
+
+
 def wall(x: float, thickness: float = 0.2) -> Body:
     """Return a wall across the way."""
     return fixed("wall", (Piece(Box((thickness, 8.0, 8.0))),), "wood", (x, 0.0, 0.0))

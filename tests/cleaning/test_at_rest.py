@@ -26,7 +26,8 @@ def of_angles(angles: np.ndarray) -> Motion:
 
 
 @pytest.mark.parametrize("kind", [0, 1])
-def test_links_go_no_deeper_than_at_home_and_postures_at_home_stay_as_they_are(kind: int) -> None:
+def test_links_go_no_deeper_than_at_home(kind: int) -> None:
+    """Postures at home stay as they are."""
     home = depth_by_directions(jointed(LINKS[kind]), [bent(np.zeros(5))])
     model = Model(jointed(LINKS[kind], allowed=home + 2e-4), None, (), (), start=bent(np.zeros(5)))
     angles = np.zeros((60, 5))

@@ -52,7 +52,7 @@ def test_a_box_far_away_changes_nothing() -> None:
     assert not cleaned.changed.any() and np.array_equal(cleaned.motion.rotations, motion.rotations)
 
 
-def test_a_box_that_sweeps_through_is_flagged_where_no_way_is_found() -> None:
+def test_a_box_that_sweeps_through_is_flagged() -> None:
     motion = swinging(30, 0.5)
     box = carried(motion, np.linspace(2.0, -2.0, 30), np.linspace(0.0, 9.0, 30))
     cleaned = clean(motion, model(), (), OPTIONS, carried=(box,))

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from avatarsim.cleaning import Options, audit
-from avatarsim.cleaning.foot_contact import planted_feet, slip_speeds, soles
+from avatarsim.cleaning.foot_contact import planted_feet, slip_speeds
 from avatarsim.cleaning.whole_clip import chords_of
 from avatarsim.scene.motion import Motion
 from avatarsim.spatial import rotation
-from tests.cleaning.rooms import FLOOR, RATE, lowered, model, swinging
+from tests.cleaning.rooms import FLOOR, RATE, lowered, model, part, swinging
 
 OPTIONS = Options(opinion=False)
 SOLE = 0.38
@@ -20,22 +20,13 @@ def standing(frames: int = 30, slide: float = 0.0, height: float = 0.0) -> Motio
     return swinging(frames, SOLE + height, slide * (frames - 1) / RATE, swing=0.0)
 
 
-def part(motion: Motion, first: int, end: int) -> Motion:
-    some = slice(first, end)
-    return Motion(motion.times[some], motion.positions[some], motion.rotations[some], motion.angles[some])
-
-
-def test_legs_are_feet_and_the_trunk_is_none() -> None:
-    chords, _ = chords_of(standing(), model(), (FLOOR,), OPTIONS, ())
-    assert soles(chords).links == (1, 2)
-
-
 @pytest.mark.parametrize("speed", [0.0, 0.1, 0.2])
 def test_the_speed_of_feet_that_slide_is_measured(speed: float) -> None:
     assert audit(standing(slide=speed), model(), (FLOOR,), OPTIONS).foot_slide == pytest.approx(speed, abs=1e-9)
 
 
-def test_high_or_fast_feet_are_not_planted_and_without_a_room_there_are_none() -> None:
+def test_high_or_fast_feet_are_not_planted() -> None:
+    """Without a room there are none."""
     for motion in (standing(height=0.1), standing(slide=1.0)):
         assert np.isnan(audit(motion, model(), (FLOOR,), OPTIONS).foot_slide)
     assert np.isnan(audit(standing(), model(), (), OPTIONS).foot_slide)

@@ -27,18 +27,21 @@ size="0.03"/><body name="hand" pos="0.25 0 0"><joint name="wrist" axis="0 0 1" r
 CLOSES = np.concatenate([np.linspace(OPEN, 0.0, 40), np.zeros(30), np.linspace(0.0, OPEN, 30)])
 
 
-def arm(folder: Path) -> Model:
-    """Return an arm of four hinges with a gripper of two fingers, straight along x; closed fingers are 2 mm apart."""
-    path = folder / "arm.xml"
-    path.write_text(ARM, encoding="utf-8")
+def loaded(folder: Path, text: str = ARM) -> Model:
+    """Return the model of a text; by default an arm of four hinges with two fingers, straight along x, 2 mm apart when closed."""
+    path = folder / "model.xml"
+    path.write_text(text, encoding="utf-8")
     return av.load_avatar(path)
+
+
+def box(aside: float = 0.0) -> av.Body:
+    """Return a box between the fingers, or aside [m] of their middle."""
+    return av.fixed("box", (av.Piece(av.Box((0.02, WIDTH, 0.02))),), "wood", (0.63, aside, 1.0))
 
 
 @pytest.mark.parametrize("aside", [0.0, 0.004])
 def test_fingers_close_on_a_box_and_open_again_and_the_arm_stays(aside: float, tmp_path: Path) -> None:
-    model = arm(tmp_path)
-    box = av.fixed("box", (av.Piece(av.Box((0.02, WIDTH, 0.02))),), "wood", (0.63, aside, 1.0))
-    shield, shown = av.Shield(model, (box,)), []
+    shield, shown = av.Shield(loaded(tmp_path), (box(aside),)), []
     for way in CLOSES:
         q = np.zeros(6)
         q[4:] = way
@@ -52,10 +55,9 @@ def test_fingers_close_on_a_box_and_open_again_and_the_arm_stays(aside: float, t
     np.testing.assert_allclose(rows[-1], [0.0] * 4 + [OPEN] * 2, atol=1e-9)
 
 
-def test_an_arm_goes_where_its_user_has_it_though_its_fingers_are_light(tmp_path: Path) -> None:
-    model = arm(tmp_path)
+def test_an_arm_follows_its_user_though_its_fingers_are_light(tmp_path: Path) -> None:
     wall = av.fixed("wall", (av.Piece(av.Box((1.0, 0.1, 1.0))),), "wood", (0.5, 0.35, 1.0))
-    shield = av.Shield(model, (wall,))
+    shield = av.Shield(loaded(tmp_path), (wall,))
     for share in np.linspace(0.0, 1.0, 60):
         shown = shield(np.array([0.0, share, 0.0, 0.0, OPEN, OPEN]))
     # the wall holds the hand, and the fingers do not keep the arm from coming to it
@@ -63,12 +65,11 @@ def test_an_arm_goes_where_its_user_has_it_though_its_fingers_are_light(tmp_path
 
 
 def test_a_clip_that_goes_through_a_box_is_cleaned_in_metres(tmp_path: Path) -> None:
-    model = arm(tmp_path)
-    box = av.fixed("box", (av.Piece(av.Box((0.02, WIDTH, 0.02))),), "wood", (0.63, 0.0, 1.0))
+    model = loaded(tmp_path)
     q = np.zeros((len(CLOSES), 6))
     q[:, 4:] = CLOSES[:, None]
     q[50, 4] = -0.01
-    cleaned = av.clean(model.coordinates.motion(q, np.arange(len(q)) / 60.0), model, (box,))
+    cleaned = av.clean(model.coordinates.motion(q, np.arange(len(q)) / 60.0), model, (box(),))
     assert cleaned.after.is_clean and cleaned.after.slide_excess == 0.0 and cleaned.before.slide_excess == pytest.approx(0.01)
     assert cleaned.before.limit_excess == 0.0
     assert cleaned.moved.slides == ("left", "right") and len(cleaned.moved.joints) == 4
@@ -76,13 +77,11 @@ def test_a_clip_that_goes_through_a_box_is_cleaned_in_metres(tmp_path: Path) -> 
 
 
 def test_a_base_drives_far_and_turns_where_it_is(tmp_path: Path) -> None:
-    path = tmp_path / "base.xml"
-    path.write_text(
-        '<mujoco><worldbody><body name="base" pos="0 0 0.2"><joint name="x" type="slide" axis="1 0 0"/>'
+    model = loaded(
+        tmp_path, '<mujoco><worldbody><body name="base" pos="0 0 0.2"><joint name="x" type="slide" axis="1 0 0"/>'
         '<joint name="y" type="slide" axis="0 1 0"/><joint name="heading" axis="0 0 1"/><geom type="box" size="0.2 0.15 0.1"/>'
-        "</body></worldbody></mujoco>", encoding="utf-8",
+        "</body></worldbody></mujoco>",
     )
-    model = av.load_avatar(path)
     post = av.fixed("post", (av.Piece(av.Capsule(0.1, 1.0)),), "wood", (1.0, 0.0, 0.5))
     shield, previous = av.Shield(model, (post,)), np.zeros(3)
     for k in range(1, 240):
@@ -98,11 +97,7 @@ GEARED = ARM.replace("</worldbody>", '</worldbody><equality><joint joint1="right
 
 @pytest.mark.parametrize("aside", [0.0, 0.004])
 def test_coupled_fingers_never_come_apart(aside: float, tmp_path: Path) -> None:
-    path = tmp_path / "geared.xml"
-    path.write_text(GEARED, encoding="utf-8")
-    model = av.load_avatar(path)
-    box = av.fixed("box", (av.Piece(av.Box((0.02, WIDTH, 0.02))),), "wood", (0.63, aside, 1.0))
-    shield, shown = av.Shield(model, (box,)), []
+    shield, shown = av.Shield(loaded(tmp_path, GEARED), (box(aside),)), []
     for k, way in enumerate(CLOSES):
         q = np.array([0.0, 0.3 * np.sin(0.1 * k) * (k > 60), 0.0, 0.0, way, way])
         shown.append(shield(q))
@@ -116,13 +111,11 @@ def test_coupled_fingers_never_come_apart(aside: float, tmp_path: Path) -> None:
 
 def test_a_wild_operator_keeps_a_chain_of_couplings(tmp_path: Path) -> None:
     """Gears of two and ten to one, hinge to slide, whose followers come before their leaders, between a wall and itself."""
-    path = tmp_path / "gears.xml"
     coupled = (
         '<equality><joint joint1="shoulder" joint2="elbow" polycoef="0 -1 0 0 0"/>'
         '<joint joint1="left" joint2="wrist" polycoef="0.02 0.01 0 0 0"/><joint joint1="right" joint2="left"/></equality>'
     )
-    path.write_text(ARM.replace("</worldbody>", f"</worldbody>{coupled}"), encoding="utf-8")
-    model = av.load_avatar(path)
+    model = loaded(tmp_path, ARM.replace("</worldbody>", f"</worldbody>{coupled}"))
     walls = tuple(
         av.fixed(f"wall {side}", (av.Piece(av.Box((1.5, 0.1, 1.5))),), "wood", (0.4, side * 0.4, 1.0)) for side in (-1, 1)
     )
@@ -140,9 +133,7 @@ def test_a_wild_operator_keeps_a_chain_of_couplings(tmp_path: Path) -> None:
 
 
 def test_what_comes_apart_in_a_clip_is_cleaned(tmp_path: Path) -> None:
-    path = tmp_path / "geared.xml"
-    path.write_text(GEARED, encoding="utf-8")
-    model = av.load_avatar(path)
+    model = loaded(tmp_path, GEARED)
     q = np.zeros((60, 6))
     q[:, 4] = 0.02
     q[:, 5] = 0.02 + 0.005 * np.sin(np.linspace(0.0, 6.0, 60))
@@ -154,4 +145,4 @@ def test_what_comes_apart_in_a_clip_is_cleaned(tmp_path: Path) -> None:
 
 def test_the_printed_method_refuses_slides(tmp_path: Path) -> None:
     with av.AvatarsimEngine() as engine, pytest.raises(InvalidScene, match="Slide"):
-        engine.load(arm(tmp_path).scene(), av.Settings("paper"), dt=1 / 60)
+        engine.load(loaded(tmp_path).scene(), av.Settings("paper"), dt=1 / 60)

@@ -12,7 +12,7 @@ from avatarsim.cleaning.ground import ground_of, raised
 from avatarsim.cleaning.whole_clip import chords_of
 from avatarsim.scene.motion import Motion
 from scenarios.data_folder import data_file
-from tests.cleaning.rooms import FLOOR, lowered, model, swinging
+from tests.cleaning.rooms import FLOOR, lowered, model, part, swinging
 
 OPTIONS = Options(opinion=False)
 
@@ -24,7 +24,7 @@ def walk(height: float) -> tuple[object, Motion]:
 
 
 @pytest.mark.parametrize("depth", [0.02, 0.25])
-def test_no_link_of_a_sunken_walk_is_moved_farther_than_the_lift_that_frees_it(depth: float) -> None:
+def test_no_link_of_a_sunken_walk_moves_farther_than_its_lift(depth: float) -> None:
     human, motion = walk(-depth)
     cleaned = clean(motion, human, (FLOOR,), OPTIONS)
     chords, whole = chords_of(motion, human, (FLOOR,), OPTIONS, ())
@@ -66,7 +66,6 @@ def test_the_verdict_on_a_frame_is_the_same_in_each_cut() -> None:
     whole = clean(motion, human, (FLOOR,), OPTIONS)
     for first, end in ((0, 12), (9, 30), (25, 39)):
         some = slice(first, end)
-        part = Motion(motion.times[some], motion.positions[some], motion.rotations[some], motion.angles[some])
-        cut = clean(part, human, (FLOOR,), OPTIONS)
+        cut = clean(part(motion, first, end), human, (FLOOR,), OPTIONS)
         assert np.array_equal(cut.held, whole.held[some]) and np.array_equal(cut.before.depths, whole.before.depths[some])
         assert np.array_equal(cut.before.proven, whole.before.proven[first : end - 1])

@@ -8,7 +8,7 @@ from avatarsim.cleaning.lookahead import faded
 
 
 @given(is_input=st.lists(st.booleans(), min_size=1, max_size=60), half=st.integers(1, 12), seed=st.integers(0, 100))
-def test_a_displacement_fades_by_the_distance_to_the_nearest_kept_frame(is_input: list[bool], half: int, seed: int) -> None:
+def test_a_displacement_fades_with_the_distance_to_kept_frames(is_input: list[bool], half: int, seed: int) -> None:
     kept, random = np.array(is_input), np.random.default_rng(seed)
     first, smooth = random.normal(size=(2, len(kept), 3))
     first[kept] = 0.0

@@ -6,7 +6,7 @@ import numpy as np
 
 from avatarsim.cleaning import Options, audit, clean
 from avatarsim.scene.motion import Motion
-from tests.cleaning.rooms import FLOOR, RATE, lowered, model, swinging
+from tests.cleaning.rooms import FLOOR, RATE, dipping, lowered, model, swinging
 
 OPTIONS = Options(opinion=False)
 
@@ -19,12 +19,8 @@ def with_reference(motion: Motion, place: float) -> Motion:
     return Motion(np.arange(len(motion) + 1) / RATE, *parts)
 
 
-def dipping() -> Motion:
-    return lowered(swinging(60, 0.5), -0.2 * np.exp(-(((np.arange(60) - 20) / 8.0) ** 2)))
-
-
 def test_a_reference_posture_changes_nothing_and_stays() -> None:
-    plain, motion = clean(dipping(), model(), (FLOOR,), OPTIONS), with_reference(dipping(), 2.0)
+    plain, motion = clean(dipping(60, 20), model(), (FLOOR,), OPTIONS), with_reference(dipping(60, 20), 2.0)
     cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
     assert len(cleaned.motion) == 61 and cleaned.after.is_clean and cleaned.before.notes
     for name in ("positions", "rotations", "angles"):
@@ -37,5 +33,5 @@ def test_a_reference_posture_changes_nothing_and_stays() -> None:
 
 
 def test_fast_and_cut_clips_have_no_reference_posture() -> None:
-    for motion in (swinging(60, 0.9, along=25.0), dipping(), swinging(2, 0.9)):
+    for motion in (swinging(60, 0.9, along=25.0), dipping(60, 20), swinging(2, 0.9)):
         assert not any("frame 0" in note for note in audit(motion, model(), (FLOOR,), OPTIONS).notes)

@@ -17,7 +17,7 @@ def rows(heights: np.ndarray) -> np.ndarray:
     return coordinates.rows(lowered(swinging(len(heights), 0.0), heights))
 
 
-def test_what_comes_out_is_free_and_what_is_free_comes_out_as_it_went_in() -> None:
+def test_what_comes_out_is_free_and_free_input_stays() -> None:
     given = rows(0.5 - 0.25 * np.exp(-(((np.arange(90) - 45) / 8.0) ** 2)))
     shield = Shield(model(), (FLOOR,), RATE)
     out, free = [], []

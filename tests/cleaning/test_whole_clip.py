@@ -19,7 +19,7 @@ from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
 from benchmarks.cleaning import between, depths
 from reference.judging.judge import Judge
-from tests.cleaning.rooms import FLOOR, lowered, model, swinging, walker, wall
+from tests.cleaning.rooms import FLOOR, dipping, lowered, model, swinging, walker, wall
 
 OPTIONS = Options(opinion=False)
 
@@ -33,16 +33,17 @@ def require_clean(cleaned: Cleaned, *bodies: object) -> None:
     assert depths(judge, between(cleaned.motion)).max() <= 1e-6
 
 
+def on_the_floor(motion: Motion) -> Cleaned:
+    """Return a motion of the walker on the floor as it is cleaned; it is clean."""
+    cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
+    require_clean(cleaned, FLOOR)
+    return cleaned
+
+
 def same(one: Motion, other: Motion) -> np.ndarray:
     """Return (F,) frames that are equal to the bit."""
     pairs = (one.positions, other.positions), (one.rotations, other.rotations), (one.angles, other.angles)
     return np.all([(a == b).reshape(len(a), -1).all(axis=1) for a, b in pairs], axis=0)
-
-
-def dipping() -> Motion:
-    """Return a motion: free for a second, into the floor for half a second, free again."""
-    times = np.arange(90)
-    return lowered(swinging(90, 0.5), -0.2 * np.exp(-(((times - 45) / 8.0) ** 2)))
 
 
 def test_a_dip_into_the_floor_is_lifted_and_the_rest_stays() -> None:
@@ -69,30 +70,17 @@ def test_a_free_motion_comes_back_to_the_bit() -> None:
     assert cleaned.moved.link_rms.max() == 0.0 and cleaned.moved.joint_p95.max() == 0.0
 
 
-def test_the_same_motion_gives_the_same_bits() -> None:
-    one, other = (clean(dipping(), model(), (FLOOR,), OPTIONS) for _ in range(2))
-    assert same(one.motion, other.motion).all()
-
-
-def test_a_start_that_overlaps_is_left_backwards_from_the_first_free_frame() -> None:
+def test_a_start_that_overlaps_is_freed_backwards() -> None:
     motion = lowered(swinging(60, 0.5), np.linspace(-0.3, 0.3, 60))
-    cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
-    require_clean(cleaned, FLOOR)
+    cleaned = on_the_floor(motion)
     assert cleaned.before.depths[0] > 0.1 and cleaned.changed[0] and not cleaned.changed[-1]
     # near the input, not merely free: in the first frame it is upright on the floor
     assert 0.0 < cleaned.motion.positions[0, 0, 2] < 0.45
 
 
-def test_a_place_beyond_the_world_is_refused() -> None:
-    motion = lowered(swinging(5, 1.0), np.array([0.0, 0.0, 0.0, 1e9, 0.0]))
-    with pytest.raises(InvalidInput, match="positions in frame 3"):
-        audit(motion, model())
-
-
 def test_a_motion_without_any_free_frame_is_lifted_out() -> None:
     motion = swinging(45, 0.2)
-    cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
-    require_clean(cleaned, FLOOR)
+    cleaned = on_the_floor(motion)
     assert cleaned.changed.all() and np.isnan(cleaned.before.jerk_free)
     assert cleaned.motion.positions[:, 0, 2].max() < 0.6
 
@@ -124,7 +112,7 @@ def test_joints_outside_their_limits_are_brought_within() -> None:
     assert cleaned.changed.any() and not cleaned.changed.all() and "limits" in {one.why for one in cleaned.flagged}
 
 
-def test_limbs_give_way_before_contact_and_without_blend_they_do_not() -> None:
+def test_limbs_give_way_before_contact_with_blend_alone() -> None:
     motion = dipping()
     early, late = (clean(motion, model(), (FLOOR,), replace(OPTIONS, blend=blend)) for blend in (0.1, 0.0))
     assert np.argmax(early.changed) < np.argmax(late.changed)
@@ -132,11 +120,10 @@ def test_limbs_give_way_before_contact_and_without_blend_they_do_not() -> None:
     require_clean(late, FLOOR)
 
 
-def test_free_frames_keep_the_input_where_that_leaves_little_jerk() -> None:
+def test_free_frames_keep_the_input_where_jerk_allows() -> None:
     times = np.arange(90)
     motion = lowered(swinging(90, 0.5), -0.2 * np.exp(-(((times - 45) / 1.5) ** 2)))
-    cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
-    require_clean(cleaned, FLOOR)
+    cleaned = on_the_floor(motion)
     assert cleaned.changed.any() and np.array_equal(cleaned.changed, cleaned.held)
     assert np.array_equal(same(motion, cleaned.motion), ~cleaned.held)
     assert cleaned.after.jerk_free <= 1.5 * cleaned.before.jerk_free
@@ -187,11 +174,6 @@ def test_an_arm_that_is_bolted_down_slides_along_a_wall(first: float) -> None:
     assert cleaned.motion.angles[-1, 0] > 0.5
 
 
-def ignoring() -> Model:
-    """Return the walker, with legs that are declared never to meet."""
-    return Model(replace(walker(), ignore=(("left", "right"),)), None, (), ())
-
-
 def crossed() -> Motion:
     """Return legs that swing into each other."""
     motion = swinging(30, 1.0, swing=0.0)
@@ -201,7 +183,8 @@ def crossed() -> Motion:
 
 
 def test_excluded_pairs_are_measured() -> None:
-    found = audit(crossed(), ignoring(), (), OPTIONS)
+    ignoring = Model(replace(walker(), ignore=(("left", "right"),)), None, (), ())
+    found = audit(crossed(), ignoring, (), OPTIONS)
     (pair,) = found.excluded
     assert (pair.a, pair.b) == ("walker/left", "walker/right") and pair.depth > 0.005 and found.overlapping == 0
     seen = audit(crossed(), model(), (), OPTIONS)
@@ -242,6 +225,8 @@ def test_what_is_no_motion_of_the_avatar_is_refused_by_frame() -> None:
         clean(motion, Model(None, None, (FLOOR,), ()), (), OPTIONS)
     with pytest.raises(InvalidInput, match="in frame 0 of the motion"):
         audit(Motion(motion.times, motion.positions, motion.rotations, np.zeros((10, 2))), model())
+    with pytest.raises(InvalidInput, match="positions in frame 3"):
+        audit(lowered(motion, 1e9 * (np.arange(10) == 3)), model())
     rotations = motion.rotations.copy()
     rotations[7, 1] *= 2.0
     with pytest.raises(InvalidInput, match="in frame 7 of the motion"):

@@ -10,14 +10,8 @@ import pytest
 from avatarsim.cli import main
 from avatarsim.live.orders import World
 from avatarsim.live.recording import Recorder
+from tests.clips.made import robot
 from tests.live.small import plan, pushed
-
-URDF = """<robot name="stick"><link name="base"><collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision>
-<inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<link name="arm"><collision><origin xyz="0 0 0.3"/><geometry><sphere radius="0.05"/></geometry></collision>
-<inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<joint name="j" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>
-<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
 
 
 def recording(folder: Path, wrong: int = 0) -> Path:
@@ -32,7 +26,7 @@ def recording(folder: Path, wrong: int = 0) -> Path:
 
 
 @pytest.mark.parametrize(("wrong", "code"), [(0, 0), (7, 1)])
-def test_a_recording_runs_again_and_its_first_difference_is_found(
+def test_a_recording_runs_again_up_to_its_first_difference(
     wrong: int, code: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = str(recording(tmp_path, wrong))
@@ -73,7 +67,6 @@ def test_what_cannot_be_live_is_refused(words: list[str], code: int, says: str, 
 def test_the_first_refusal_of_a_peer_is_a_line_on_stderr(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "stick.urdf").write_text(URDF)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
         one.bind(("127.0.0.1", 0))
@@ -89,7 +82,7 @@ def test_the_first_refusal_of_a_peer_is_a_line_on_stderr(
 
         monkeypatch.setattr(webbrowser, "open", opened)
         words = ["--port", "0", "--seconds", "1", "--ws", "0", "--udp", str(place[1])]
-        assert main(["live", "--avatar", str(tmp_path / "stick.urdf"), "--room", "floor", *words]) == 0
+        assert main(["live", "--avatar", str(robot(tmp_path)), "--room", "floor", *words]) == 0
         source = f"udp 127.0.0.1:{one.getsockname()[1]}"
     [line] = [line for line in capsys.readouterr().err.splitlines() if source in line]
     assert "'tail'" in line

@@ -9,7 +9,9 @@ import pytest
 
 from avatarsim.cleaning import Options
 from avatarsim.clips import certificate
+from avatarsim.clips.batch import WHOLE, left_undone
 from avatarsim.clips.wishes import Wishes
+from avatarsim.errors import InvalidFile
 from tests.clips.entries import audit, entry, motion
 
 
@@ -61,11 +63,8 @@ def test_equal_runs_leave_equal_bytes_without_machine_or_time() -> None:
     one: Any = entry()
     assert one["options"]["avatar"] == "robot.xml" and one["options"]["reading"]["asf"] == "02.asf"
     assert set(one["versions"]) >= {"avatarsim", "code", "numpy", "coal"}
-
-
-def test_options_of_cleaning_are_all_there() -> None:
-    one: Any = certificate.plain(Wishes(cleaning=Options(margin=0.002)).told())
-    assert one["cleaning"]["margin"] == 0.002 and set(one["cleaning"]) == set(vars(Options()))
+    told: Any = certificate.plain(Wishes(cleaning=Options(margin=0.002)).told())
+    assert told["cleaning"]["margin"] == 0.002 and set(told["cleaning"]) == set(vars(Options()))
 
 
 @pytest.mark.parametrize("content", [b"", b"{", b"[]", b'{"motion": 3}', b"\xff\xfe", b'{"motion": NaN', b"[" * 5000])
@@ -76,3 +75,11 @@ def test_what_is_no_certificate_counts_as_none(tmp_path: Path, content: bytes) -
     found = certificate.read(tmp_path / "b.json")
     assert found == entry() and certificate.output_hash(found, "motion") == "3" * 64
     assert certificate.output_hash(None, "motion") is None and certificate.output_hash({"outputs": 3}, "motion") is None
+
+
+@pytest.mark.parametrize("content", [b"{", b"[]", b'{"not_done": 3}', b'{"not_done": [{"name": 3}]}', b"\xff"])
+def test_a_damaged_certificate_of_the_folder_is_refused(tmp_path: Path, content: bytes) -> None:
+    assert left_undone(tmp_path, frozenset()) == ()
+    (tmp_path / WHOLE).write_bytes(content)
+    with pytest.raises(InvalidFile, match=WHOLE):
+        left_undone(tmp_path, frozenset())

@@ -21,6 +21,7 @@ def test_folders_are_taken_whole_and_sorted_with_their_layout(tmp_path: Path) ->
     clips = found([tmp_path / "one.amc", tmp_path / "in"], None).clips
     assert [clip.place for clip in clips] == ["a.csv", "b/1.BVH", "b/2.bvh", "b/c/x.npz", "one.amc", "p.pkl", "t.txt"]
     assert clips[1].path == tmp_path / "in" / "b" / "1.BVH"
+    assert found([tmp_path / "one.amc", tmp_path / "in", tmp_path / "in" / "a.csv", tmp_path / "one.amc"], None).clips == clips
 
 
 def test_what_is_no_motion_is_left_alone(tmp_path: Path) -> None:
@@ -55,11 +56,6 @@ def test_a_folder_that_cannot_be_read_has_a_place_without_a_path(tmp_path: Path,
     assert one.places == {"in/", "deep/", "deep/locked/", "a.bvh"}
     (tmp_path / "shut").mkdir()
     assert [place for place, _, _ in found([tmp_path / "shut"], None).unreadable] == ["shut/"]
-
-
-def test_a_file_that_is_named_twice_is_one_clip(tmp_path: Path) -> None:
-    touch(tmp_path, "a.bvh")
-    assert len(found([tmp_path / "a.bvh", tmp_path / "a.bvh", tmp_path], None).clips) == 1
 
 
 @pytest.mark.parametrize(("named", "out", "said"), [

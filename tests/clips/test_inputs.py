@@ -105,7 +105,7 @@ def test_readers_say_which_options_they_have() -> None:
     assert set(asked) <= known
 
 
-def test_a_keyframe_is_one_of_the_avatars_file_where_there_is_one(tmp_path: Path) -> None:
+def test_a_keyframe_is_of_the_avatars_file_where_there_is_one(tmp_path: Path) -> None:
     ground = '<mujoco><worldbody><geom name="ground" type="plane" size="1 1 1"/></worldbody></mujoco>'
     keys = '<keyframe><key name="bent" qpos="0 0 0.5 1 0 0 0 0.02"/></keyframe></mujoco>'
     (tmp_path / "robot.xml").write_text(ROBOT.replace("</mujoco>", keys))

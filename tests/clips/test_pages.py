@@ -22,7 +22,7 @@ from tests.cleaning.rooms import lowered, model, swinging
 GRID = np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, 7)] * 3), axis=-1).reshape(-1, 3)
 
 
-def test_a_room_of_many_pieces_is_drawn_by_the_largest_with_few_corners() -> None:
+def test_a_room_of_many_pieces_is_drawn_by_the_largest() -> None:
     rng = np.random.default_rng(1)
     balls = tuple(Piece(ConvexHull(0.1 * (k + 1) * GRID), (float(k), 0.0, 0.0)) for k in range(40))
     few = room_of(Model(None, None, (fixed("a", balls[:2], "wood"),), ()))
@@ -33,14 +33,14 @@ def test_a_room_of_many_pieces_is_drawn_by_the_largest_with_few_corners() -> Non
     assert len(drawn[1]) == 12 and sum(map(len, drawn)) < 20_000
 
 
-def test_a_body_with_visuals_is_drawn_by_them_and_tested_by_its_pieces() -> None:
+def test_visuals_are_drawn_and_pieces_are_tested() -> None:
     table = fixed("table", (Piece(Box((1.0, 1.0, 1.0))),), "wood", (0.0, 0.0, 2.0))
     (found,) = room_of(Model(None, None, (table,), (), visuals={"table": (Piece(Box((1.0, 1.0, 0.2))),)}))
     assert found.tested is not None and found.tested[0].min() == -0.5 and found.tested[0].max() == 2.5
     assert found.surface[0][:, 2].min() == 1.9 and found.surface[0][:, 2].max() == 2.1
 
 
-def test_furniture_and_ground_differ_and_parts_that_overlap_are_known_to_the_player() -> None:
+def test_the_player_knows_furniture_ground_and_overlaps() -> None:
     human, table = model(), fixed("table", (Piece(Box((1.0, 1.0, 0.5))),), "wood", (0.0, 0.0, 0.2))
     room = Model(None, None, (fixed("ground", (Piece(Box((100.0, 100.0, 1.0))),), "wood", (0.0, 0.0, -0.5)), table), ())
     assert [one.role for one in room_of(room)] == ["fixed", "furniture"]
@@ -72,7 +72,7 @@ def test_many_runs_are_joined_and_none_is_lost() -> None:
     assert (covered | ~marked).all()
 
 
-def test_the_policy_lets_its_own_style_and_script_work_and_nothing_else() -> None:
+def test_the_policy_allows_its_own_style_and_script_alone() -> None:
     text = page("A & B", "<p>x</p>", "let a = 1;").decode()
     policy = html.unescape(re.findall(r'Content-Security-Policy" content="([^"]*)"', text)[0])
     for tag in ("style", "script"):

@@ -49,9 +49,9 @@ def test_it_agrees_with_a_whole_validator_on_certificates() -> None:
     rng, right = random.Random(5), 0
     value = certificate.plain(certificate.summary("clean", [entry()], [("a", "b", "c")]))
     assert agree(value, WHOLE)
-    for _ in range(1500):
+    for _ in range(600):
         right += agree(damaged(value, rng), WHOLE)
-    assert 10 < right < 1200
+    assert 4 < right < 480
 
 
 @given(VALUES, st.sampled_from([

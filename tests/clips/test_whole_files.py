@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from avatarsim.clips.whole_files import BEGUN, PART, alone_in, beside, clear_halves, sha256_of, write_whole
-from avatarsim.errors import InvalidInput
+from avatarsim.clips.whole_files import BEGUN, PART, clear_halves, sha256_of, write_whole
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -33,16 +32,3 @@ def test_halves_go_and_nothing_else(tmp_path: Path) -> None:
     (tmp_path / f"mine{PART}").write_text("mine")
     clear_halves(tmp_path)
     assert sorted(path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*")) == [f"{BEGUN}notes", "b", f"mine{PART}"]
-
-
-def test_what_is_beside_has_the_name_of_its_place(tmp_path: Path) -> None:
-    with beside(tmp_path / "a.bvh") as path:
-        assert path.name == "a.bvh" and path.parent.parent == tmp_path
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("name", ["a_file", "a_file/below", "/proc/none"])
-def test_a_folder_that_takes_no_file_is_refused(tmp_path: Path, name: str) -> None:
-    (tmp_path / "a_file").write_text("")
-    with pytest.raises(InvalidInput, match="output folder.*can be written to"), alone_in(tmp_path / name):
-        pass

@@ -55,7 +55,7 @@ def test_each_of_its_bounds_is_measured_and_holds_at_the_gate() -> None:
     assert bounded == {bound.metric: "pass" for bound in scenario.bounds} and exit_code(rows) == 0
 
 
-def test_its_hand_stops_on_top_of_the_table_and_its_user_does_not() -> None:
+def test_its_hand_stops_on_the_table_and_its_user_does_not() -> None:
     frames, asked = recorded(shown())
     np.testing.assert_array_equal(frames[0].shown.positions[1], asked.scene.first_sample.positions[0])
     assert asked.samples[-1].positions[0, 2] < 0.0

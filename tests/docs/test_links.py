@@ -1,11 +1,13 @@
 """Links and names of files in the repository's Markdown lead to something that is there."""
 
-import ast
+import pkgutil
 import re
-from functools import cache
 from pathlib import Path
+from types import ModuleType
 
 import pytest
+
+import avatarsim
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
@@ -52,30 +54,14 @@ def broken_links(page: Path) -> list[str]:
     return found
 
 
-@cache
-def defined(module: Path) -> frozenset[str]:
-    """Return names that a module or package defines at its top level."""
-    names: set[str] = set()
-    for node in ast.parse(module.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.FunctionDef | ast.ClassDef):
-            names.add(node.name)
-        for target in node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]:
-            names |= {leaf.id for leaf in ast.walk(target) if isinstance(leaf, ast.Name)} if target else set()
-        if isinstance(node, ast.Import | ast.ImportFrom):
-            names |= {alias.asname or alias.name for alias in node.names}
-    return frozenset(names)
-
-
 def is_there(dotted: str) -> bool:
-    """Return whether a dotted name is a module, or a name that one defines; parts below that name are not looked at."""
-    place, parts = ROOT, dotted.split(".")
-    for k, part in enumerate(parts):
-        if (place / part).is_dir():
-            place = place / part
-        elif (place / f"{part}.py").is_file():
-            return k + 1 == len(parts) or parts[k + 1] in defined(place / f"{part}.py")
-        else:
-            return (place / "__init__.py").is_file() and part in defined(place / "__init__.py")
+    """Return whether a dotted name is a module, or a name that one has; parts below that name are not looked at."""
+    found: object = avatarsim
+    for part in dotted.split(".")[1:]:
+        try:
+            found = pkgutil.resolve_name(f"{found.__name__}.{part}") if isinstance(found, ModuleType) else found
+        except (ImportError, AttributeError):
+            return False
     return True
 
 

@@ -24,7 +24,7 @@ RADIUS = 0.2
 """[m] of the circle that the page promises."""
 
 
-def test_the_tracker_leads_the_palm_of_the_default_scene_in_a_circle(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_tracker_leads_the_default_palm_in_a_circle(capsys: pytest.CaptureFixture[str]) -> None:
     found, targets, shown = stage(SCENE).scene, list[Goals](), list[np.ndarray]()
     palm, page = found.names.index("hand/palm"), SimpleNamespace(driver=Driver(found), _tracked=set())
     refused = list[str]()

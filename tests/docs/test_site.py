@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted((ROOT / "docs").glob("*.md"))
 
 
-def test_all_pages_are_sources_of_the_site_and_reached_from_the_first() -> None:
+def test_all_pages_are_reached_from_the_first() -> None:
     assert {page.name for page in ROOT.glob("*.md")} == {name for name in conf.include_patterns if "/" not in name}
     first = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
     trees = re.findall(r"^```\{toctree\}\n(.*?)^```$", first, re.DOTALL | re.MULTILINE)

@@ -50,7 +50,7 @@ def batch(name: str) -> Batch:
     return Batch(name, 1, COUNT, Door(name, 1.0, partial(cases, DEEDS[name][0]), reserves=name != "memory"))
 
 
-def test_each_bad_case_is_found_by_its_number_and_the_others_are_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_each_bad_case_is_found_by_number(monkeypatch: pytest.MonkeyPatch) -> None:
     # its process has to be ended from outside; how long that waits is no matter here
     monkeypatch.setattr(campaigns, "PATIENCE", 1.0)
     report = campaign([batch(name) for name in DEEDS], 2)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.assets.models.in_process import compile_here
 from tests.hostile.campaign import doors
 from tests.hostile.doors import FileDoor, place
 from tests.hostile.judged import Judge
@@ -30,7 +31,8 @@ def test_hostile_input_ends_in_a_result_or_a_typed_error(name: str, tmp_path: Pa
 
 
 @pytest.mark.parametrize("name", [name for name in ASKED if doors()[name].files])
-def test_valid_files_pass(name: str, tmp_path: Path) -> None:
+def test_valid_files_pass(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    compile_here(monkeypatch)
     files = doors()[name].files
     assert isinstance(files, FileDoor)
     for path, content in {**files.also(), **files.files()}.items():

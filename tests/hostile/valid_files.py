@@ -16,6 +16,7 @@ from avatarsim.clips import certificate
 from runfiles import array_file, record
 from scenarios import catalog
 from tests.assets.meshes.solids import cube, ell, torus
+from tests.assets.motions.clips import upright
 from tests.assets.motions.files import ASF, WALKER, amc, bvh
 from tests.assets.motions.robots import JOINTS, walk
 from tests.clips.entries import entry
@@ -81,10 +82,8 @@ URDF = """<robot name="arm"><material name="grey"><color rgba="1 1 1 1"/></mater
 @cache
 def clip() -> Files:
     """Return a motion clip of four frames."""
-    still = [0.03, 0.0, 0.9, 0.0]
-    for width in (4, 4, 4, 4, 1, 4, 4, 1, 4, 1, 4, 4, 1):
-        still += [1.0, 0.0, 0.0, 0.0] if width == 4 else [0.1]
-    frames = [[*still[:1], 0.1 * k, *still[2:]] for k in range(4)]
+    step, _, *still = upright(0.03)
+    frames = [[step, 0.1 * k, *still] for k in range(4)]
     return {"humanoid3d_some.txt": json.dumps({"Loop": "wrap", "Frames": frames}).encode()}
 
 

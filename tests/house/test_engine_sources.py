@@ -49,11 +49,11 @@ def test_no_file_is_longer_than_500_lines() -> None:
     assert {file.name for file, text in TEXTS.items() if len(text.splitlines()) > LONGEST} == set()
 
 
-def test_no_kernel_uses_fastmath_or_the_ill_conditioned_arc_cosine() -> None:
+def test_no_kernel_uses_fastmath_or_arc_cosine() -> None:
     assert {file.name for file, text in TEXTS.items() if re.search(r"fastmath=True|\ba(rc)?cos\(", text)} == set()
 
 
-def test_no_file_imports_by_dots_which_the_cache_of_kernels_would_have_to_guess() -> None:
+def test_no_file_imports_by_dots() -> None:
     assert {file.name for file, text in TEXTS.items() if re.search(r"^\s*from \.", text, re.MULTILINE)} == set()
 
 
@@ -81,7 +81,8 @@ def test_private_parts_of_the_compiler_stay_in_one_small_folder() -> None:
 
 def test_nothing_of_the_compiler_is_patched() -> None:
     assert patches("import numba.core as n\nn.config.X = 1\nsetattr(n, 'a', 2)") == ["n.config.X", "n."]
-    assert {file.name: found for file, text in TEXTS.items() if (found := patches(text))} == {}
+    near = {file: text for file, text in TEXTS.items() if "numba" in text or "llvmlite" in text}
+    assert near and {file.name: found for file, text in near.items() if (found := patches(text))} == {}
 
 
 def test_files_of_tests_that_begin_first_are_there() -> None:

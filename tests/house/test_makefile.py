@@ -45,7 +45,7 @@ def test_the_gate_reads_its_own_run(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("compared", [True, False])
-def test_the_report_that_is_written_is_that_of_the_comparison_where_there_is_one(tmp_path: Path, compared: bool) -> None:
+def test_the_report_is_that_of_the_comparison(tmp_path: Path, compared: bool) -> None:
     a_run(tmp_path, *(("latest",) if compared else ()), "latest-bench", "latest-check")
     written = [call for call in calls(tmp_path, "bench") if call.startswith("-m reports write")]
     assert written[-1] == f"-m reports write reports/out/latest{'' if compared else '-bench'}"

@@ -46,9 +46,7 @@ def test_a_plain_wheel_is_for_any_platform_and_holds_no_kernels(build: ModuleTyp
     assert packed(build, monkeypatch, with_kernels=False) == (True, [])
 
 
-def test_a_wheel_with_kernels_is_for_one_platform_and_holds_new_ones_only(
-    build: ModuleType, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_wheel_with_kernels_is_for_one_platform(build: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
     assert packed(build, monkeypatch, with_kernels=True) == (False, ["build/lib/avatarsim/avatarsim-kernels"])
 
 

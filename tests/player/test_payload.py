@@ -24,7 +24,8 @@ def test_packed_numbers_come_back_within_half_a_step() -> None:
     assert unpacked(text(codes(np.zeros(3), 0.0, 0.0)), 0.0, 0.0).tolist() == [0.0] * 3
 
 
-def test_equal_bodies_share_a_mesh_and_a_pose_that_is_none_has_no_place() -> None:
+def test_equal_bodies_share_a_mesh() -> None:
+    """A pose that is none has no place."""
     ball, upright = surface((Piece(Sphere(0.1)),)), np.array([1.0, 0.0, 0.0, 0.0])
     alike, large = surface((Piece(Sphere(0.1)),)), surface((Piece(Sphere(2.0)),))
     bodies = [Drawn("driven", ball), Drawn("simulated", alike, large), Drawn("fixed", large)]

@@ -43,7 +43,7 @@ def test_vertices_are_shared_across_edges_that_look_round_alone() -> None:
     assert len(creased((np.asarray(BALL.vertices), np.asarray(BALL.faces)))[0]) == len(BALL.vertices)
 
 
-def test_what_is_drawn_are_the_named_visuals_primitives_and_meshes() -> None:
+def test_named_visuals_are_drawn_as_primitives_and_meshes() -> None:
     box = Piece(Box((1.0, 1.0, 1.0)), (5.0, 0.0, 0.0))
     found = drawn({"a": (cube(), box), "b": (box,), "c": (cube(),)}, ["a", "b", "other"])
     assert {name: len(triangles) for name, (_, triangles) in found.items()} == {"a": 24, "b": 12}

@@ -70,13 +70,10 @@ def test_who_does_not_answer_has_died_of_something(found: dict[str, str | Died],
     assert isinstance(found[word], Died) and said in str(found[word])
 
 
-def test_children_run_on_one_thread_and_the_parent_keeps_its_own(found: dict[str, str | Died]) -> None:
+def test_children_run_on_one_thread_and_collect_only_their_own(found: dict[str, str | Died]) -> None:
+    assert found["collector"] == "True"
     assert found["threads"] == ",".join("1" for _ in THREADS)
     assert [os.environ.get(name) for name in THREADS] != ["1"] * len(THREADS) or os.environ.get("OMP_NUM_THREADS") == "1"
-
-
-def test_children_do_not_collect_what_their_mother_loaded(found: dict[str, str | Died]) -> None:
-    assert found["collector"] == "True"
 
 
 def test_without_workers_tasks_run_here_and_fewer_are_refused() -> None:
@@ -110,7 +107,7 @@ def test_tidy_tasks_share_processes_until_one_fails() -> None:
 
 
 @pytest.mark.parametrize("shared", [alone, tidy])
-def test_a_process_that_is_killed_while_it_sends_takes_no_other_along(shared: Callable[[str], bool]) -> None:
+def test_a_process_killed_while_it_sends_takes_no_other_along(shared: Callable[[str], bool]) -> None:
     from tests.running import test_processes
 
     words = ["half", "one", "half ", "two", "three"]

@@ -19,7 +19,7 @@ def test_a_request_to_end_that_is_ignored_stays_ignored() -> None:
         signal.signal(signal.SIGHUP, before)
 
 
-def test_a_request_to_end_is_taken_as_ctrl_c_and_the_handler_put_back() -> None:
+def test_a_request_to_end_is_ctrl_c_and_the_handler_put_back() -> None:
     before = signal.getsignal(signal.SIGTERM)
     with pytest.raises(KeyboardInterrupt), stoppable():
         os.kill(os.getpid(), signal.SIGTERM)

@@ -1,6 +1,7 @@
 """Small meshes with known answers."""
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 
 from avatarsim.assets.meshes.mesh import Mesh
@@ -78,13 +79,7 @@ def obj_text(*soups: Soup) -> str:
 
 def surface_points(soup: Soup, count: int, seed: int = 0) -> Array:
     """Return points distributed uniformly at random over the surface."""
-    vertices, triangles = soup
-    corners = vertices[triangles]
-    rng = np.random.default_rng(seed)
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    chosen = corners[rng.choice(len(corners), count, p=area / area.sum())]
-    weight = rng.dirichlet((1.0, 1.0, 1.0), count)
-    return np.asarray(np.einsum("nk,nki->ni", weight, chosen))
+    return np.asarray(trimesh.sample.sample_surface(trimesh.Trimesh(*soup, process=False), count, seed=seed)[0])
 
 
 def knot() -> Soup:

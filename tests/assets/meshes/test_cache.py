@@ -24,14 +24,6 @@ def same(one: Answer | None, other: Answer) -> bool:
     return all(np.array_equal(a, b) for a, b in zip(one.hulls, other.hulls, strict=True))
 
 
-def test_what_is_stored_comes_back_bit_by_bit(cache_folder: Path) -> None:
-    assert load("k") == (None, "")
-    assert store("k", ANSWER) == f"kept in {cache_folder / 'k.npz'}"
-    answer, note = load("k")
-    assert same(answer, ANSWER) and note.startswith("read from")
-    assert [path.name for path in cache_folder.iterdir()] == ["k.npz"]
-
-
 @pytest.mark.parametrize("wish", [
     {"threshold": 0.06}, {"seed": 1}, {"most_vertices": 32}, {"most_pieces": 3}, {"hull": True}, {"repair": "remesh"},
 ])

@@ -15,7 +15,7 @@ from tests.assets.meshes.solids import ell, mesh
 ELL = mesh(ell(), "ell.obj")
 
 
-def test_the_same_seed_gives_the_same_bits_and_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
+def test_the_same_seed_gives_the_same_bits_without_output(capfd: pytest.CaptureFixture[str]) -> None:
     once, again = (decomposed([ELL], Wishes(seed=3), False, sys.stderr) for _ in range(2))
     assert len(once) == 2
     for one, other in zip(once, again, strict=True):

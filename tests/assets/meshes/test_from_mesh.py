@@ -34,15 +34,27 @@ def box(low: tuple[float, float, float], size: tuple[float, float, float]) -> So
     return vertices * size + low, triangles
 
 
+class StandIn:
+    """Hulls in the place of those of CoACD, and the calls: how many meshes, and whether they are wrapped first."""
+
+    def __init__(self) -> None:
+        self.hulls: list[Array] = []
+        self.asked: list[tuple[int, bool]] = []
+
+    def __call__(self, meshes: list[object], wishes: object, remesh: bool, stream: object) -> list[Array]:
+        assert self.hulls, "CoACD was called"
+        self.asked.append((len(meshes), remesh))
+        return self.hulls
+
+
 @pytest.fixture
-def nothing_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    def never(*words: object) -> list[Array]:
-        raise AssertionError("CoACD was called")
+def coacd(monkeypatch: pytest.MonkeyPatch) -> StandIn:
+    stand_in = StandIn()
+    monkeypatch.setattr(from_mesh, "decomposed", stand_in)
+    return stand_in
 
-    monkeypatch.setattr(from_mesh, "decomposed", never)
 
-
-@pytest.mark.usefixtures("nothing_runs")
+@pytest.mark.usefixtures("coacd")
 def test_an_ell_of_two_authored_boxes_stays_two_vertex_by_vertex(tmp_path: Path) -> None:
     boxes = box((0.0, 0.0, 0.0), (3.0, 1.0, 1.0)), box((0.0, 1.0, 0.0), (1.0, 2.0, 1.0))
     found = pieces_of_mesh(written(tmp_path / "ell.obj", *boxes), scale=0.1)
@@ -52,7 +64,7 @@ def test_an_ell_of_two_authored_boxes_stays_two_vertex_by_vertex(tmp_path: Path)
     assert found.hausdorff <= 1e-15
 
 
-@pytest.mark.usefixtures("nothing_runs")
+@pytest.mark.usefixtures("coacd")
 def test_a_convex_mesh_is_one_piece(tmp_path: Path) -> None:
     found = pieces_of_mesh(written(tmp_path / "cube.obj", cube()))
     assert found.source == "convex mesh" and found.vertices == (8,) and found.hausdorff <= 1e-15
@@ -61,8 +73,8 @@ def test_a_convex_mesh_is_one_piece(tmp_path: Path) -> None:
     np.testing.assert_array_equal(points(turned, 0), 2.0 * cube()[0] @ [[1, 0, 0], [0, 0, 1], [0, -1, 0]])
 
 
-@pytest.mark.usefixtures("nothing_runs")
-def test_too_many_vertices_are_enclosed_by_fewer_within_the_bound() -> None:
+@pytest.mark.usefixtures("coacd")
+def test_too_many_vertices_are_enclosed_within_the_bound() -> None:
     from scipy.spatial import ConvexHull as QuickHull
 
     round_one = ellipsoid_hull((1.0, 0.7, 0.5), 300).vertices
@@ -113,7 +125,7 @@ def test_pieces_hold_the_mesh_within_the_bound() -> None:
     assert found.hausdorff < 0.15 * found.size
 
 
-@pytest.mark.usefixtures("nothing_runs")
+@pytest.mark.usefixtures("coacd")
 def test_a_hull_may_be_asked_for_even_of_an_open_mesh() -> None:
     vertices, triangles = ell()
     found = pieces_of_mesh((vertices, triangles[1:]), hull=True)
@@ -122,58 +134,41 @@ def test_a_hull_may_be_asked_for_even_of_an_open_mesh() -> None:
     assert 1.0 <= found.added <= 1.1 and found.uncovered == 0.0
 
 
-@pytest.mark.usefixtures("nothing_runs")
 @pytest.mark.parametrize(("repair", "refused"), [("auto", True), ("refuse", True), ("remesh", False)])
-def test_open_meshes_are_refused_unless_wrapped(repair: str, refused: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_open_meshes_are_refused_unless_wrapped(repair: str, refused: bool, coacd: StandIn) -> None:
     vertices, triangles = ell()
-    asked = []
-
-    def wrapped(meshes: object, wishes: object, remesh: bool, stream: object) -> list[Array]:
-        asked.append(remesh)
-        return [box((0.0, 0.0, 0.0), (3.0, 1.0, 1.0))[0], box((0.0, 0.0, 0.0), (1.0, 3.0, 1.0))[0]]
-
-    monkeypatch.setattr(from_mesh, "decomposed", wrapped)
+    coacd.hulls = [box((0.0, 0.0, 0.0), (3.0, 1.0, 1.0))[0], box((0.0, 0.0, 0.0), (1.0, 3.0, 1.0))[0]]
     if refused:
         with pytest.raises(InvalidShape, match=r"border edges of the mesh is 3; valid: 0, a closed surface; repair='remesh'"):
             pieces_of_mesh((vertices, triangles[1:]), repair=repair)
     else:
         found = pieces_of_mesh((vertices, triangles[1:]), repair=repair)
         assert found.repairs == ("wrapped in a closed surface: number of border edges of the mesh is 3",)
-        assert asked == [True]
+        assert coacd.asked == [(1, True)]
 
 
-def test_a_surface_through_itself_is_wrapped_or_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_surface_through_itself_is_wrapped_or_refused(coacd: StandIn) -> None:
     vertices, triangles = knot()
     with pytest.raises(InvalidShape, match="go through each other"):
         pieces_of_mesh((vertices, triangles), repair="refuse")
-    asked = []
-
-    def wrapped(meshes: object, wishes: object, remesh: bool, stream: object) -> list[Array]:
-        asked.append(remesh)
-        return [vertices]
-
-    monkeypatch.setattr(from_mesh, "decomposed", wrapped)
+    coacd.hulls = [vertices]
     assert "wrapped in a closed surface" in pieces_of_mesh((vertices, triangles)).repairs[0]
-    assert asked == [True]
+    assert coacd.asked == [(1, True)]
 
 
-def test_parts_through_one_another_are_decomposed_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    both, counts = through(ell()), []
-
-    def by_part(meshes: list[object], wishes: object, remesh: bool, stream: object) -> list[Array]:
-        counts.append((len(meshes), remesh))
-        return [both[0][:12], both[0][12:]]
-
-    monkeypatch.setattr(from_mesh, "decomposed", by_part)
+def test_parts_through_one_another_are_decomposed_one_by_one(coacd: StandIn) -> None:
+    both = through(ell())
+    coacd.hulls = [both[0][:12], both[0][12:]]
     found = pieces_of_mesh(both)
-    assert counts == [(2, False)] and len(found.repairs) == 1 and len(found.pieces) == 2
+    assert coacd.asked == [(2, False)] and len(found.repairs) == 1 and len(found.pieces) == 2
 
 
 @pytest.mark.parametrize(("mesh", "match"), [
     ((np.zeros((0, 3)), np.zeros((0, 3))), "number of triangles"),
     ((np.zeros((4, 2)), [[0, 1, 2]]), r"shape of the vertices of a mesh is \(4, 2\)"),
     ((cube()[0], [[0, 1, 9]]), "vertex number of a triangle is 9.0; valid: a whole number from 0 to 7"),
-    ((cube()[0] * [1.0, 1.0, np.nan], cube()[1]), "vertex 0 of the mesh"),
+    *(((cube()[0] + [0.0, value, 0.0], cube()[1]), "vertex 0 of the mesh") for value in (np.nan, np.inf, -np.inf)),
+    ((cube()[0], [[0, 0, 1]]), "three different corners"),
     ((cube()[0] * [1.0, 1.0, 0.0], cube()[1]), "flat mesh has no volume|three different corners|border edges"),
     ((1730.0 * cube()[0], cube()[1]), r"size of the mesh \[m\] at scale 1 .*0\.001 for millimetres"),
     ((1e-6 * cube()[0], cube()[1]), r"size of the mesh \[m\] at scale 1"),

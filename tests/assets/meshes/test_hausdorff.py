@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avatarsim.assets.meshes import hausdorff as added
-from avatarsim.assets.meshes import hausdorff as uncovered
+from avatarsim.assets.meshes import hausdorff
 from avatarsim.assets.meshes.hausdorff import RESOLUTION, Deviation, deviation
 from avatarsim.assets.meshes.hulls import Hull, hull_of
 from avatarsim.assets.meshes.mesh_queries import inside_closed, point_triangle
@@ -45,7 +44,7 @@ def test_a_missing_arm_is_uncovered() -> None:
     assert found.uncovered >= 2.0 - 1e-12 and found.reached == pytest.approx(2.0, abs=1e-9)
 
 
-def test_the_hull_of_an_ell_sticks_out_by_the_circle_in_its_notch() -> None:
+def test_the_hull_of_an_ell_sticks_out_by_its_notchs_circle() -> None:
     found = bounds([hull_of(ell()[0], "ell")], ell())
     # the point of the hull's slope x + y = 4 that is equally far from both arms: (2, 2), one from each
     assert found.uncovered == 0.0
@@ -60,7 +59,7 @@ def test_a_hollow_that_a_hull_fills_counts() -> None:
     assert 1.0 <= found.added <= 1.06
 
 
-def test_a_bottle_that_a_hull_fills_counts_its_belly_and_not_its_mouth() -> None:
+def test_a_filled_bottle_counts_its_belly_and_not_its_mouth() -> None:
     right = [(4.0, 0.0), (4.0, 4.0), (2.2, 4.0), (2.2, 3.6), (3.6, 3.6), (3.6, 0.4)]
     outline = np.array([(0.0, 0.0), *right, *[(4.0 - x, y) for x, y in right[:1:-1]], (0.0, 4.0)])
     caps = ((0, 1, 6), (0, 6, 7), (1, 2, 5), (1, 5, 6), (2, 3, 4), (2, 4, 5), (0, 7, 8), (0, 8, 11), (8, 9, 11), (9, 10, 11))
@@ -88,11 +87,11 @@ def test_no_sample_exceeds_the_bound(seed: int) -> None:
     assert found.hausdorff - found.reached <= 2.0 * RESOLUTION * size + 0.06 * found.hausdorff
 
 
-def test_when_refinement_stops_early_the_bound_is_looser_and_still_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_bound_of_an_early_stop_is_looser_and_holds(monkeypatch: pytest.MonkeyPatch) -> None:
     hulls, soup = [hull_of(torus()[0], "torus")], torus()
     sharp = bounds(hulls, soup)
-    monkeypatch.setattr(added, "MOST_BOXES", 3)
-    monkeypatch.setattr(uncovered, "MOST_TRIANGLES", 3)
+    monkeypatch.setattr(hausdorff, "MOST_BOXES", 3)
+    monkeypatch.setattr(hausdorff, "MOST_TRIANGLES", 3)
     loose = bounds(hulls, soup)
     assert loose.added > sharp.added >= 0.7
     shrunk = [hull_of(0.9 * torus()[0], "torus")]

@@ -29,15 +29,6 @@ def test_every_format_gives_the_same_solid(ending: str, tmp_path: Path) -> None:
     assert signed_volume(sound.mesh.corners) == pytest.approx(5.0, rel=1e-6)
 
 
-def test_groups_of_an_obj_keep_their_vertices(tmp_path: Path) -> None:
-    path = tmp_path / "two.obj"
-    path.write_text(obj_text(cube(), ell()), encoding="utf-8")
-    first, second = groups_of(read_mesh(path))
-    np.testing.assert_array_equal(first.vertices, cube()[0])
-    np.testing.assert_array_equal(second.vertices, ell()[0])
-    np.testing.assert_array_equal(second.triangles, ell()[1])
-
-
 def test_what_cannot_be_read_is_refused_by_name(tmp_path: Path) -> None:
     with pytest.raises(InvalidFile, match=r"nowhere\.stl.*existing file"):
         read_mesh(tmp_path / "nowhere.stl")

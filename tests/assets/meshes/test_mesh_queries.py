@@ -8,8 +8,6 @@ from hypothesis import strategies as st
 from avatarsim.assets.meshes.mesh_queries import Surface, inside_closed, inside_open, point_triangle
 from tests.assets.meshes.solids import cube, ell, together, torus
 
-POINTS = np.random.default_rng(0).uniform(-1.5, 3.5, (4000, 3))
-
 
 def in_ell(points: np.ndarray) -> np.ndarray:
     x, y, z = points.T
@@ -17,17 +15,14 @@ def in_ell(points: np.ndarray) -> np.ndarray:
 
 
 def test_the_ell_against_its_formula() -> None:
+    """Random points, and a grid whose points see many edges."""
     corners = ell()[0][ell()[1]]
-    expected = in_ell(POINTS)
-    assert 100 < expected.sum() < 3900
-    np.testing.assert_array_equal(inside_closed(POINTS, corners), expected)
-    np.testing.assert_array_equal(inside_open(POINTS, corners), expected)
-
-
-def test_a_grid_in_the_ell_whose_points_see_many_edges() -> None:
-    corners = ell()[0][ell()[1]]
+    points = np.random.default_rng(0).uniform(-1.5, 3.5, (4000, 3))
+    assert 100 < in_ell(points).sum() < 3900
+    np.testing.assert_array_equal(inside_open(points, corners), in_ell(points))
     grid = np.stack(np.meshgrid(*[np.arange(-1, 26) / 8.0 + 1.0 / 16.0] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    np.testing.assert_array_equal(inside_closed(grid, corners), in_ell(grid))
+    for asked in (points, grid):
+        np.testing.assert_array_equal(inside_closed(asked, corners), in_ell(asked))
 
 
 def test_a_hollow_is_outside_and_an_overlap_of_two_parts_inside() -> None:

@@ -35,7 +35,7 @@ def test_decomposed_objects_are_taken_vertex_by_vertex(file: str) -> None:
     assert found.hausdorff <= 1e-5 * found.size
 
 
-def test_a_mesh_whose_groups_are_not_convex_is_not_taken_as_pieces() -> None:
+def test_groups_that_are_not_convex_are_not_taken_as_pieces() -> None:
     with pytest.raises(InvalidShape, match=r"border edges of mug_col\.obj"):
         pieces_of_mesh(data_file("objects/mug_col.obj"))
 

@@ -5,9 +5,8 @@ import pytest
 
 from avatarsim.assets.meshes import repairs as crossings
 from avatarsim.assets.meshes.mesh import Mesh, signed_volume
-from avatarsim.assets.meshes.repairs import crossing_pairs, edges_of, finite, mended, to_flip
-from avatarsim.errors import InvalidShape
-from tests.assets.meshes.solids import cube, ell, knot, mesh, through, together, torus
+from avatarsim.assets.meshes.repairs import crossing_pairs, edges_of, mended, to_flip
+from tests.assets.meshes.solids import cube, ell, mesh, through, together, torus
 
 
 def test_a_sound_mesh_is_left_alone() -> None:
@@ -18,7 +17,8 @@ def test_a_sound_mesh_is_left_alone() -> None:
         np.testing.assert_array_equal(sound.mesh.triangles, soup[1])
 
 
-def test_equal_vertices_are_merged_and_said_but_not_for_formats_without_shared_ones() -> None:
+def test_equal_vertices_are_merged_and_reported() -> None:
+    """Formats without shared vertices are not reported."""
     vertices, triangles = cube()
     loose = vertices[triangles].reshape(-1, 3), np.arange(36).reshape(-1, 3)
     sound = mended(mesh(loose))
@@ -65,43 +65,6 @@ def test_a_mesh_inside_out_is_turned_and_a_hollow_is_not() -> None:
     sound = mended(mesh((beside[0], np.concatenate([beside[1][:12], beside[1][12:, ::-1]]))))
     assert sound.repairs == ("1 closed part faced inwards and was turned outwards",)
     assert signed_volume(sound.mesh.corners) == pytest.approx(2.0)
-
-
-def test_an_open_surface_is_a_fault_with_the_number_of_its_border_edges() -> None:
-    vertices, triangles = ell()
-    sound = mended(mesh((vertices, triangles[1:]), "ell.obj"))
-    assert [(fault.value, fault.open, fault.crossing) for fault in sound.faults] == [(3, True, False)]
-    with pytest.raises(InvalidShape, match=r"border edges of ell\.obj is 3; valid: 0, a closed surface; repair='remesh'"):
-        sound.refuse()
-
-
-def test_a_surface_through_itself_is_a_fault() -> None:
-    sound = mended(mesh(knot(), "knot"))
-    assert [(fault.open, fault.crossing) for fault in sound.faults] == [(False, True)]
-    assert sound.faults[0].value > 0 and "go through each other" in sound.faults[0].thing
-
-
-def test_closed_parts_through_one_another_are_taken_one_by_one() -> None:
-    sound = mended(mesh(through(cube())))
-    assert sound.separate and sound.faults == ()
-    assert sound.repairs == ("2 closed parts go through one another: every part was decomposed by itself",)
-
-
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_a_vertex_that_is_not_finite_is_named(value: float) -> None:
-    vertices, triangles = cube()
-    vertices = vertices.copy()
-    vertices[3, 1] = value
-    with pytest.raises(InvalidShape, match="vertex 3 of thing"):
-        finite(mesh((vertices, triangles)))
-
-
-def test_nothing_at_all_is_refused() -> None:
-    empty = mesh((np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)))
-    with pytest.raises(InvalidShape, match="number of triangles of thing is 0"):
-        finite(empty)
-    with pytest.raises(InvalidShape, match="three different corners"):
-        mended(mesh((cube()[0], np.array([[0, 0, 1]]))))
 
 
 def test_a_moebius_band_has_one_side() -> None:

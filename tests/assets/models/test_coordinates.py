@@ -7,10 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.assets.models.coordinates import Coordinates, coordinates_of
+from avatarsim.assets.models.coordinates import coordinates_of
 from avatarsim.errors import InvalidInput
 from avatarsim.spatial import rotation
 from tests.assets.motions.robots import puppet, robot
+
+PUPPET = puppet().coordinates
 
 
 def rows(frames: int, seed: int) -> np.ndarray:
@@ -20,28 +22,23 @@ def rows(frames: int, seed: int) -> np.ndarray:
     return np.concatenate([rng.normal(size=(frames, 3)), root, ball, rng.normal(size=(frames, 2))], axis=1)
 
 
-def of_puppet() -> Coordinates:
-    found = puppet().coordinates
-    return found
-
-
 @given(st.integers(1, 6), st.integers(0, 99))
 def test_rows_of_a_motion_are_the_rows_that_it_was_made_of(frames: int, seed: int) -> None:
     q = rows(frames, seed)
-    motion = of_puppet().motion(q, np.arange(frames) / 30.0)
-    assert (of_puppet().rows(motion) == q).all()
+    motion = PUPPET.motion(q, np.arange(frames) / 30.0)
+    assert (PUPPET.rows(motion) == q).all()
 
 
 @given(st.integers(0, 99), st.floats(0.5, 2.0))
 def test_quaternions_become_unit_ones_and_stay_what_they_became(seed: int, length: float) -> None:
     q = rows(3, seed)
     q[:, 3:7] *= length
-    once = of_puppet().rows(of_puppet().motion(q, np.arange(3.0)))
+    once = PUPPET.rows(PUPPET.motion(q, np.arange(3.0)))
     assert np.allclose(np.linalg.norm(once[:, 3:7], axis=1), 1.0, atol=1e-15)
-    assert (of_puppet().rows(of_puppet().motion(once, np.arange(3.0))) == once).all()
+    assert (PUPPET.rows(PUPPET.motion(once, np.arange(3.0))) == once).all()
 
 
-def test_the_order_of_the_file_is_not_that_of_the_links_and_references_are_taken_off() -> None:
+def test_coordinates_in_file_order_without_reference_angles() -> None:
     coordinates = robot().coordinates
     q = np.array([[0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3, 0.4]])
     motion = coordinates.motion(q, np.zeros(1))
@@ -74,12 +71,12 @@ def changed(frame: int, column: int, value: float) -> np.ndarray:
 ])
 def test_rows_that_are_none_are_refused_by_name(q: Any, says: str) -> None:
     with pytest.raises(InvalidInput, match=says):
-        of_puppet().motion(q, np.arange(3.0))
+        PUPPET.motion(q, np.arange(3.0))
 
 
 def test_other_times_and_motions_of_other_avatars_are_refused() -> None:
     with pytest.raises(InvalidInput, match="frames in the"):
-        of_puppet().motion(rows(3, 0), np.arange(4.0))
-    motion = of_puppet().motion(rows(2, 0), np.arange(2.0))
+        PUPPET.motion(rows(3, 0), np.arange(4.0))
+    motion = PUPPET.motion(rows(2, 0), np.arange(2.0))
     with pytest.raises(InvalidInput, match=r"links and hinges.*\(3, 2\).*\(6, 4\)"):
         robot().coordinates.rows(motion)

@@ -14,7 +14,7 @@ from tests.assets.models.recorded import BALL, XYZ, clip, human_skeleton
 SKELETON = human_skeleton()
 
 
-def test_joints_are_those_of_the_skeleton_and_masses_those_of_a_body() -> None:
+def test_joints_are_the_skeletons_and_masses_a_bodys() -> None:
     model = human(SKELETON, 1.7, clip(SKELETON, {}), mass=80.0)
     assert model.avatar is not None and model.coordinates is not None and model.bodies == ()
     links = model.avatar.links
@@ -42,7 +42,7 @@ def test_capsules_lie_between_joints_and_end_at_tips() -> None:
     assert len(links["Hips"].pieces) == 3 and len(links["Spine"].pieces) == 3
 
 
-def test_pairs_that_overlap_when_standing_may_be_no_deeper_whatever_the_clip_begins_with() -> None:
+def test_pairs_that_overlap_when_standing_may_be_no_deeper() -> None:
     model = human(SKELETON, 1.7, clip(SKELETON, {}))
     pairs = {pair[:2] for pair in model.avatar.at_rest}
     assert ("Hips", "Neck") not in pairs and ("Spine", "LeftArm") in pairs and not model.avatar.ignore
@@ -92,7 +92,7 @@ def test_unknown_names_have_radii_and_masses_by_length() -> None:
     assert model.avatar.links[3].pieces == () and model.avatar.links[2].joint == av.Ball()
 
 
-def test_a_root_on_the_floor_and_joints_that_end_others_have_no_body() -> None:
+def test_a_root_on_the_floor_and_end_joints_have_no_body() -> None:
     bones = [Bone("Reference", -1, (0.0, 0.0, 0.0)), Bone("Hips", 0, (0.0, 0.0, 0.9), BALL, XYZ)]
     bones += [replace(bone, parent=bone.parent + 1, tips=()) for bone in SKELETON.bones[1:]]
     bones.append(Bone("Head_End", 4, (0.0, 0.0, 0.2), BALL, XYZ))

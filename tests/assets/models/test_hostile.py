@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 
 import avatarsim as av
+from avatarsim.assets.models import compiled
 from avatarsim.assets.models.compile_process import MEMORY
 from avatarsim.errors import InvalidFile
+from tests.assets.models.in_process import IN_A_PROCESS
 
 BODY = '<worldbody><body><joint/><geom size="0.1"/></body></worldbody>'
 MESH = '<mujoco><asset><mesh name="m" file="{}"/></asset><worldbody><geom type="mesh" mesh="m"/></worldbody></mujoco>'
@@ -61,15 +63,19 @@ TEXTS = {
     "huge field": (asset('<hfield name="h" nrow="100000" ncol="100000" size="1 1 1 1"/>', BODY), "valid: a model that"),
 }
 """Name -> text of a file bad.xml, and a part of its error."""
+HUGE = {"cut off", "entities", "deep", "deep bodies", "many elements", "infinite", "huge grid", "replicated", "huge field"}
+"""Texts that go to the compiler in a process of its own, with limits."""
 
 
 @pytest.mark.parametrize("name", TEXTS)
-def test_each_text_is_refused(name: str, tmp_path: Path) -> None:
+def test_each_text_is_refused(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text, said = TEXTS[name]
     folder = tmp_path / "one" / "two"
     folder.mkdir(parents=True)
     (tmp_path / "one" / "other.xml").write_text(f"<mujoco>{BODY}</mujoco>")
     (folder / "bad.xml").write_text(text)
+    if name in HUGE:
+        monkeypatch.setattr(compiled, "_run", IN_A_PROCESS)
     with pytest.raises(InvalidFile, match=said):
         av.load_room(folder / "bad.xml")
     # the largest of all awaited processes
@@ -137,10 +143,11 @@ def test_plugins_of_other_programs_in_urdf_are_nothing_to_it(tmp_path: Path) -> 
         av.load_avatar(tmp_path / "robot.urdf")
 
 
-def test_nothing_is_left_behind_and_nothing_is_written_beside_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_loading_leaves_no_files_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scratch = tmp_path / "scratch"
     scratch.mkdir()
     monkeypatch.setattr("tempfile.tempdir", str(scratch))
+    monkeypatch.setattr(compiled, "_run", IN_A_PROCESS)
     folder = tmp_path / "model"
     folder.mkdir()
     (folder / "bad.xml").write_text(f"<mujoco>{BODY}<contact><exclude body1='none' body2='no'/></contact></mujoco>")

@@ -55,7 +55,7 @@ def test_random_trees_are_where_mujoco_has_them(seed: int, tmp_path: Path) -> No
     assert greatest_difference(Twin(path), model, 10, seed) <= 1e-12
 
 
-def test_hinges_about_one_centre_are_one_joint_and_others_are_not(tmp_path: Path) -> None:
+def test_hinges_about_one_centre_are_one_joint(tmp_path: Path) -> None:
     joint = '<joint pos="0 0 {}" axis="{}"/>'
     axes = ("1 0 0", "0 1 0", "0 0 1", "1 1 0")
     joints = "".join(joint.format(z, axis) for z, axis in zip((0.1, 0.1, 0.1, 0.3), axes, strict=True))
@@ -132,7 +132,7 @@ def coupled(folder: Path, *equalities: str, limits: str = "") -> Path:
     return written(folder, body, f"<equality>{rest}</equality>")
 
 
-def test_a_joint_that_an_equality_couples_follows_the_other_counted_from_the_reference(tmp_path: Path) -> None:
+def test_a_coupled_joint_follows_counted_from_the_reference(tmp_path: Path) -> None:
     path = coupled(tmp_path, "ba 0.3 2 0 0 0")
     model = av.load_avatar(path)
     assert model.avatar.couplings == (av.Coupling(1, 0, 2.0, 0.3),)
@@ -161,7 +161,7 @@ def test_couplings_in_a_row_or_a_ring_follow_the_first_joint(
         assert found[follower] == pytest.approx(wanted)
 
 
-def test_a_joint_that_follows_nothing_or_what_is_fixed_stands_still(tmp_path: Path) -> None:
+def test_a_joint_coupled_to_nothing_or_what_is_fixed_is_fixed(tmp_path: Path) -> None:
     body = f'<body><joint name="a" axis="0 1 0"/>{GEOM}<body pos="0.2 0 0"><joint name="b" axis="0 1 0"/>{GEOM}</body></body>'
     alone = av.load_avatar(written(tmp_path, body, '<equality><joint joint1="b" polycoef="0.2 0 0 0 0"/></equality>'))
     assert alone.avatar.couplings == () and alone.avatar.links[1].joint == Hinges((Hinge((0.0, 1.0, 0.0), 0.2, 0.2),))
@@ -182,9 +182,7 @@ def test_limits_of_a_follower_narrow_its_leaders(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("equalities", "thing"), [
     (("ba 0 1 0.5 0 0",), "c2=0.5"), (("ba 0 2 0 0 0", "ba 0 1 0 0 0"), "coupling"),
 ])
-def test_couplings_that_are_no_straight_lines_or_contradict_are_refused(
-    equalities: tuple[str, ...], thing: str, tmp_path: Path
-) -> None:
+def test_refuses_curved_and_contradicting_couplings(equalities: tuple[str, ...], thing: str, tmp_path: Path) -> None:
     with pytest.raises(InvalidFile, match=thing):
         av.load_avatar(coupled(tmp_path, *equalities))
 

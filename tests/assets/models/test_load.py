@@ -11,10 +11,9 @@ import avatarsim as av
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.body import Role
 from avatarsim.spatial import rotation
-from tests.assets.meshes.solids import cube, ell
+from tests.assets.meshes.solids import cube, ell, obj_text
 from tests.assets.models.mujoco_twin import Twin, greatest_difference
 from tests.assets.models.test_links_of_tree import GEOM, written
-from tests.assets.models.test_pieces_of_geoms import obj_of
 from tests.own_cache import keep_pieces_in
 
 TWO = (
@@ -23,7 +22,7 @@ TWO = (
 )
 
 
-def test_the_avatar_is_the_tree_with_most_joints_or_the_one_asked_for(tmp_path: Path) -> None:
+def test_the_avatar_is_the_tree_of_most_joints_or_that_asked_for(tmp_path: Path) -> None:
     path = written(tmp_path, TWO)
     by_default, asked = av.load_avatar(path), av.load_avatar(path, avatar="small")
     assert by_default.avatar is not None and [link.name for link in by_default.avatar.links] == ["big", "leg"]
@@ -116,7 +115,7 @@ def test_moments_that_no_solid_has_are_raised(numbers: tuple[float, ...], tmp_pa
 
 def test_rooms_from_meshes_and_the_word_floor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     keep_pieces_in(tmp_path / "cache", monkeypatch)
-    obj_of(tmp_path, "ell.obj", *ell())
+    (tmp_path / "ell.obj").write_text(obj_text(ell()))
     room = av.load_room(tmp_path / "ell.obj", scale=0.5)
     (body,) = room.bodies
     assert body.name == "ell" and body.role is Role.FIXED and len(body.pieces) >= 2
@@ -144,10 +143,10 @@ def test_other_formats_are_refused_with_what_to_do(name: str, said: str, tmp_pat
             load(tmp_path / name)
 
 
-def test_includes_attached_models_and_folders_of_meshes_are_found_as_mujoco_does(tmp_path: Path) -> None:
+def test_includes_and_folders_of_meshes_are_found_as_mujoco_does(tmp_path: Path) -> None:
     (tmp_path / "parts").mkdir()
     (tmp_path / "meshes").mkdir()
-    obj_of(tmp_path / "meshes", "cube.obj", *cube())
+    (tmp_path / "meshes" / "cube.obj").write_text(obj_text(cube()))
     (tmp_path / "parts" / "asset.xml").write_text('<mujoco><asset><mesh name="cube" file="cube.obj"/></asset></mujoco>')
     (tmp_path / "parts" / "all.xml").write_text('<mujoco><include file="asset.xml"/></mujoco>')
     leg = f'<body name="leg"><joint name="knee"/>{GEOM}</body>'
@@ -159,10 +158,10 @@ def test_includes_attached_models_and_folders_of_meshes_are_found_as_mujoco_does
     assert model.avatar is not None and [link.name for link in model.avatar.links] == ["hip", "left_leg"]
 
 
-def test_meshes_of_an_include_from_a_sibling_folder_are_found_as_mujoco_does(tmp_path: Path) -> None:
+def test_meshes_beside_a_sibling_include_are_found(tmp_path: Path) -> None:
     for name in ("parts/assets", "parts/meshes", "robot"):
         (tmp_path / name).mkdir(parents=True)
-    obj_of(tmp_path / "parts" / "meshes", "cube.obj", *cube())
+    (tmp_path / "parts" / "meshes" / "cube.obj").write_text(obj_text(cube()))
     mesh = '<mujocoinclude><asset><mesh file="../parts/meshes/cube.obj"/></asset></mujocoinclude>'
     (tmp_path / "parts" / "assets" / "cube.xml").write_text(mesh)
     body = '<body name="hip"><joint name="hip"/><geom type="mesh" mesh="cube"/></body>'
@@ -179,7 +178,7 @@ ROBOT = '<robot name="r"><link name="base"><collision><geometry><mesh filename="
 def test_urdf_finds_meshes_of_its_package(mesh: str, tmp_path: Path) -> None:
     for name in ("robot/urdf", "robot/meshes"):
         (tmp_path / name).mkdir(parents=True)
-    obj_of(tmp_path / "robot" / "meshes", "cube.obj", *cube())
+    (tmp_path / "robot" / "meshes" / "cube.obj").write_text(obj_text(cube()))
     path = tmp_path / "robot" / "urdf" / "robot.urdf"
     path.write_text(ROBOT.format(mesh))
     with pytest.raises(InvalidFile, match=r"mesh cube of robot\.urdf is .*folder="):

@@ -26,7 +26,7 @@ def model_of(folder: Path, rest: str = WELDS) -> av.Model:
     return av.load_avatar(written(folder, ARM + TOOL + DOOR + HANDLE + FLOOR, rest))
 
 
-def test_a_mocap_body_goes_where_its_pose_is_given_and_carries_what_is_welded_to_it(tmp_path: Path) -> None:
+def test_a_mocap_body_follows_its_pose_with_what_is_welded_to_it(tmp_path: Path) -> None:
     model = model_of(tmp_path)
     assert [one.name for one in model.moving] == ["door"]
     scene = model.scene()
@@ -46,11 +46,12 @@ def test_a_mocap_body_goes_where_its_pose_is_given_and_carries_what_is_welded_to
 
 
 @pytest.mark.parametrize("weld", ['relpose="0 0 1 1 0 0 0"', 'torquescale="0"', 'active="false"'])
-def test_a_weld_of_another_pose_with_free_turns_or_without_effect_attaches_nothing(weld: str, tmp_path: Path) -> None:
+def test_a_weld_without_effect_here_attaches_nothing(weld: str, tmp_path: Path) -> None:
     assert not model_of(tmp_path, f'<equality><weld name="far" body1="door" body2="handle" {weld}/></equality>').attached
 
 
-def test_a_welded_tool_in_something_fixed_is_refused_and_in_what_carries_it_never_touches(tmp_path: Path) -> None:
+def test_refuses_a_welded_tool_that_starts_in_something_fixed(tmp_path: Path) -> None:
+    """One that starts in what carries it never touches that."""
     weld = '<equality><weld body1="wrist" body2="tool"/></equality>'
     shelf = '<geom name="shelf" type="box" size=".1 .1 .04" pos=".5 0 .65"/>'
     with pytest.raises(av.StartOverlaps) as error:

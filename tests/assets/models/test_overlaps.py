@@ -28,7 +28,7 @@ def test_links_that_overlap_may_be_no_deeper_and_are_listed(tmp_path: Path) -> N
     loaded(model)
 
 
-def test_a_free_avatar_and_a_loose_body_are_raised_out_of_the_floor(tmp_path: Path) -> None:
+def test_free_avatars_and_loose_bodies_are_raised_out_of_floors(tmp_path: Path) -> None:
     body = '<body name="man" pos="0 0 0.08"><freejoint/><geom size="0.1"/>' \
            '<body><joint/><geom size="0.05" pos="0 0 1"/></body></body>' \
            '<body name="cube" pos="2 0 0.199"><freejoint/><geom type="box" size="0.2 0.2 0.2"/></body>'
@@ -38,7 +38,7 @@ def test_a_free_avatar_and_a_loose_body_are_raised_out_of_the_floor(tmp_path: Pa
     assert loaded(model).shown.positions[1, 2] == pytest.approx(0.2, abs=1e-3)
 
 
-def test_an_avatar_whose_root_lies_in_the_ground_is_put_on_its_feet(tmp_path: Path) -> None:
+def test_an_avatar_in_the_ground_is_put_on_its_feet(tmp_path: Path) -> None:
     leg = '<body pos="0 0 -0.5"><joint/><geom type="capsule" size="0.05 0.2"/>' \
           '<body pos="0 0 -0.5"><joint/><geom type="box" size="0.1 0.05 0.05"/></body></body>'
     model = av.load_avatar(written(tmp_path, f'<body name="hip"><freejoint/><geom size="0.1"/>{leg}</body>' + FLOOR))

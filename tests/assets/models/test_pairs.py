@@ -29,34 +29,22 @@ def pairs(*texts: str) -> set[frozenset[str]]:
     return {frozenset(text) for text in texts}
 
 
-def test_parents_and_children_do_not_and_others_do(tmp_path: Path) -> None:
-    assert meeting(av.load_avatar(written(tmp_path, arm("", "", "", "")))) == pairs("ac", "ad", "bd")
+MASKED, TWO, OTHER = 'contype="1" conaffinity="0"', 'contype="2" conaffinity="2"', 'contype="4" conaffinity="2"'
+EXCLUDED = '<contact><exclude body1="a" body2="d"/></contact>'
+STATED = '<contact><pair geom1="d" geom2="a"/></contact>'
 
 
-def test_what_is_rigid_together_has_the_neighbours_of_all(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("chain", "rest", "masks", "found"), [
+    (arm("", "", "", ""), "", True, ("ac", "ad", "bd")),
     # c is rigid with b, so a and c, and b and d, are as parent and child
-    assert meeting(av.load_avatar(written(tmp_path, arm("", "", "", "", "", deep="c")))) == pairs("ad", "ae", "be", "ce")
-
-
-def test_excluded_pairs_do_not(tmp_path: Path) -> None:
-    model = av.load_avatar(written(tmp_path, arm("", "", "", ""), '<contact><exclude body1="a" body2="d"/></contact>'))
-    assert meeting(model) == pairs("ac", "bd")
-
-
-MASKED = 'contype="1" conaffinity="0"'
-
-
-@pytest.mark.parametrize(("rest", "masks", "found"), [
-    ("", True, ()), ("", False, ("ac", "ad", "bd")), ('<contact><pair geom1="d" geom2="a"/></contact>', True, ("ad",)),
+    (arm("", "", "", "", "", deep="c"), "", True, ("ad", "ae", "be", "ce")),
+    (arm("", "", "", ""), EXCLUDED, True, ("ac", "bd")),
+    (arm(MASKED, MASKED, MASKED, MASKED), "", True, ()), (arm(MASKED, MASKED, MASKED, MASKED), "", False, ("ac", "ad", "bd")),
+    (arm(MASKED, MASKED, MASKED, MASKED), STATED, True, ("ad",)), (arm("", TWO, "", TWO, OTHER), "", True, ("ac", "bd", "be")),
 ])
-def test_masks_keep_apart_unless_a_pair_is_stated(rest: str, masks: bool, found: tuple[str, ...], tmp_path: Path) -> None:
-    model = av.load_avatar(written(tmp_path, arm(MASKED, MASKED, MASKED, MASKED), rest), masks=masks)
-    assert meeting(model) == pairs(*found)
-
-
-def test_masks_of_one_bit_meet_those_of_the_same(tmp_path: Path) -> None:
-    two, other = 'contype="2" conaffinity="2"', 'contype="4" conaffinity="2"'
-    assert meeting(av.load_avatar(written(tmp_path, arm("", two, "", two, other)))) == pairs("ac", "bd", "be")
+def test_pairs_of_links_follow_the_file(chain: str, rest: str, masks: bool, found: tuple[str, ...], tmp_path: Path) -> None:
+    """Parents and children do not meet, nor neighbours of what is rigid together, nor what is excluded or masked."""
+    assert meeting(av.load_avatar(written(tmp_path, chain, rest), masks=masks)) == pairs(*found)
 
 
 ROOM = (

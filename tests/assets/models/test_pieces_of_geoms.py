@@ -14,7 +14,7 @@ from avatarsim.assets.models.pieces_of_geoms import PLANE, SIDES
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.body import volume
 from avatarsim.spatial import rotation
-from tests.assets.meshes.solids import Soup, ell, torus
+from tests.assets.meshes.solids import Soup, ell, obj_text, torus
 from tests.assets.models.test_links_of_tree import written
 from tests.own_cache import keep_pieces_in
 
@@ -23,12 +23,6 @@ def room_of(folder: Path, geoms: str, head: str = "", **options: object) -> dict
     """Return the bodies of a room of these geoms, by name."""
     model = av.load_room(written(folder, geoms, head=head), **options)  # type: ignore[arg-type]
     return {body.name: body for body in model.bodies}
-
-
-def obj_of(folder: Path, name: str, vertices: np.ndarray, triangles: np.ndarray) -> None:
-    """Write a mesh as an OBJ file."""
-    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in triangles]
-    (folder / name).write_text("\n".join(lines), encoding="utf-8")
 
 
 SHAPES = {
@@ -64,7 +58,7 @@ def test_a_prism_stands_around_its_cylinder(tmp_path: Path) -> None:
 
 def meshed(folder: Path, soup: Soup, placed: str = "", scale: str = "1 1 1") -> Path:
     """Return a model of one mesh called m."""
-    obj_of(folder, "m.obj", *soup)
+    (folder / "m.obj").write_text(obj_text(soup))
     head = f'<asset><mesh file="m.obj" scale="{scale}"/></asset>'
     return written(folder, f'<geom name="it" type="mesh" mesh="m" {placed}/>', head=head)
 
@@ -148,11 +142,11 @@ def test_of_a_mesh_in_another_format_the_copy_beside_it_is_taken(tmp_path: Path)
     path = written(tmp_path, '<geom name="it" type="mesh" mesh="m"/>', head='<asset><mesh name="m" file="ell.wrl"/></asset>')
     with pytest.raises(InvalidFile, match=r"mesh m of model\.xml is 'ell\.wrl'; .*put the copy beside it"):
         av.load_room(path)
-    obj_of(tmp_path, "ell.obj", *ell())
+    (tmp_path / "ell.obj").write_text(obj_text(ell()))
     assert len(av.load_room(path).bodies[0].pieces) == 1
 
 
-def test_what_is_only_to_be_looked_at_is_left_unless_a_pair_names_it(tmp_path: Path) -> None:
+def test_a_visual_is_left_out_unless_a_pair_names_it(tmp_path: Path) -> None:
     geoms = '<geom name="seen" size="0.1" contype="0" conaffinity="0"/><geom name="felt" size="0.1"/>'
     assert set(room_of(tmp_path, geoms)) == {"felt"}
     body = '<body name="ball"><freejoint/><geom name="b" size="0.1" pos="0 0 1"/></body>'
@@ -188,8 +182,8 @@ SEEN = """
 """
 
 
-def test_visuals_are_the_geoms_that_viewers_show_in_the_frames_of_links(tmp_path: Path) -> None:
-    obj_of(tmp_path, "m.obj", *ell())
+def test_visuals_are_the_shown_geoms_in_frames_of_links(tmp_path: Path) -> None:
+    (tmp_path / "m.obj").write_text(obj_text(ell()))
     model = av.load_avatar(written(tmp_path, SEEN, head='<asset><mesh file="m.obj"/></asset>'))
     assert model.avatar is not None
     assert set(model.visuals) == {"model/arm", "model/cover", "stone"}
@@ -207,8 +201,8 @@ def test_visuals_are_the_geoms_that_viewers_show_in_the_frames_of_links(tmp_path
     assert pieces == [av.Box((0.2, 0.2, 0.2)), av.Capsule(0.05, 0.2)]
 
 
-def test_the_visuals_of_a_room_keep_to_their_bodies_beside_an_avatar(tmp_path: Path) -> None:
-    obj_of(tmp_path, "m.obj", *ell())
+def test_visuals_of_a_room_keep_to_their_bodies(tmp_path: Path) -> None:
+    (tmp_path / "m.obj").write_text(obj_text(ell()))
     head = '<asset><mesh file="m.obj"/></asset>'
     model = av.load_avatar(written(tmp_path, SEEN, head=head))
     both = beside(model, av.load_room(written(tmp_path, '<body name="stone"><geom type="mesh" mesh="m"/></body>', head=head)))

@@ -53,9 +53,7 @@ def test_limits_hold_what_humans_can_do(
 
 
 @pytest.mark.parametrize("joint, axis, degrees, can", POSTURES)
-def test_hinges_have_the_range_of_their_movement(
-    joint: str, axis: tuple[float, float, float], degrees: float, can: bool
-) -> None:
+def test_hinges_have_the_range_of_their_movement(joint: str, axis: tuple[float, float, float], degrees: float, can: bool) -> None:
     """The same postures, by a hinge about that axis; the shoulder's cone is no range of one hinge."""
     if joint == "LeftArm" or (joint, axis) == ("LeftLeg", X):
         return

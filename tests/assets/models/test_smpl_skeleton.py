@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from avatarsim.assets.models.smpl_skeleton import TREES, approximate, measured, ours, theirs, tree_of
-from avatarsim.errors import InvalidInput
 
 
 @pytest.mark.parametrize("member", TREES)
@@ -57,12 +56,6 @@ def test_joints_of_a_file_are_where_it_has_them() -> None:
     assert np.allclose(theirs(found.rest[:52] - found.rest[0]), joints - joints[0], atol=1e-12)
     assert np.allclose(place, pelvis)
     assert np.ptp(found.rest[:, 2]) == pytest.approx(1.8, rel=2e-3)
-
-
-@pytest.mark.parametrize("stature", [0.0, -1.0, 17.0, float("nan")])
-def test_statures_of_no_human_are_refused(stature: float) -> None:
-    with pytest.raises(InvalidInput, match="stature"):
-        approximate("SMPL", stature)
 
 
 def test_hands_hang_on_wrists_finger_by_finger() -> None:

@@ -117,7 +117,7 @@ def test_friction_of_several_geoms_and_of_two_files(tmp_path: Path) -> None:
     assert scene.materials.contact(*scene.material_names).friction == 0.7
 
 
-def test_pairs_of_many_bodies_share_materials_unless_their_friction_differs(tmp_path: Path) -> None:
+def test_pairs_share_materials_unless_their_friction_differs(tmp_path: Path) -> None:
     bodies = "".join(f'<body pos="{k} 0 1"><freejoint/><geom name="g{k}" size=".1"/></body>' for k in range(210))
     pairs = "".join(f'<pair geom1="g{k}" geom2="g0"/>' for k in range(1, 210))
     model = av.load_room(mjcf(tmp_path, bodies, f"<contact>{pairs}</contact>"))
@@ -193,7 +193,7 @@ def test_a_mocap_pose_without_a_turn_is_unturned(tmp_path: Path) -> None:
     assert model.moving[0].links[0].orientation == (1.0, 0.0, 0.0, 0.0)
 
 
-def test_plugins_of_an_included_file_are_of_the_element_around_it(tmp_path: Path) -> None:
+def test_plugins_of_an_include_belong_to_the_element_around(tmp_path: Path) -> None:
     (tmp_path / "parts.xml").write_text('<mujocoinclude><plugin plugin="p"/><geom size=".1" pos="0 0 3"/></mujocoinclude>')
     model = av.load_avatar(mjcf(tmp_path, KEYED + '<body><include file="parts.xml"/></body>'))
     assert any("p" in said for said in model.said) and len(model.bodies) == 2
@@ -201,42 +201,31 @@ def test_plugins_of_an_included_file_are_of_the_element_around_it(tmp_path: Path
     shaped = '<asset><mesh name="m"><include file="parts.xml"/></mesh></asset>'
     with pytest.raises(InvalidFile, match="plugin"):
         av.load_avatar(mjcf(tmp_path, KEYED, shaped))
-
-
-@pytest.mark.parametrize("content", [
-    '<extension><plugin plugin="p"/></extension>', '<!-- nothing but plugins --><extension><plugin plugin="p"/></extension>',
-])
-def test_an_included_file_of_plugins_alone_is_left_out(content: str, tmp_path: Path) -> None:
-    (tmp_path / "parts.xml").write_text(f"<mujocoinclude>{content}</mujocoinclude>")
-    model = av.load_avatar(mjcf(tmp_path, KEYED, '<include file="parts.xml"/>'))
-    assert model.avatar is not None and any("p" in said for said in model.said)
-
-
-def test_tuples_that_name_actuators_are_left_out_with_them(tmp_path: Path) -> None:
-    rest = (
-        '<actuator><motor name="m" joint="j"/></actuator>'
-        '<custom><tuple name="t"><element objtype="actuator" objname="m"/></tuple></custom>'
-    )
-    assert av.load_avatar(mjcf(tmp_path, KEYED, rest)).avatar is not None
-
-
-def test_points_of_deformable_bodies_are_no_avatar(tmp_path: Path) -> None:
-    cloth = '<flexcomp name="f" type="grid" count="2 2 1" spacing=".1 .1 .1" radius=".01" dim="2"/>'
-    model = av.load_avatar(mjcf(tmp_path, KEYED + cloth))
-    assert model.avatar is not None and [link.name for link in model.avatar.links] == ["base", "arm"]
-
-
-def test_plugins_that_move_nothing_are_left_out(tmp_path: Path) -> None:
-    plugins = (
-        '<extension><plugin plugin="mujoco.pid"><instance name="i"><config key="kp" value="4"/></instance></plugin>'
-        '</extension>'
-        '<actuator><plugin plugin="mujoco.pid" instance="i" joint="j"/></actuator>'
-    )
-    model = av.load_avatar(mjcf(tmp_path, KEYED, plugins))
-    assert any("mujoco.pid" in said for said in model.said) and model.avatar is not None and len(model.avatar.links) == 2
-    shaped = '<body><geom type="sdf" mesh="g"><plugin plugin="mujoco.sdf.gear"/></geom></body>'
     with pytest.raises(InvalidFile, match="plugin"):
-        av.load_room(mjcf(tmp_path, shaped))
+        av.load_room(mjcf(tmp_path, '<body><geom type="sdf" mesh="g"><plugin plugin="mujoco.sdf.gear"/></geom></body>'))
+
+
+PLUGINS = '<extension><plugin plugin="some.pid"><instance name="i"><config key="kp" value="4"/></instance></plugin></extension>'
+LEFT_OUT = {
+    "an included file of plugins": ("", '<include file="parts.xml"/>', "some.pid"),
+    "one that begins with a comment": ("", '<include file="noted.xml"/>', "some.pid"),
+    "a tuple that names an actuator": ("", '<actuator><motor name="m" joint="j"/></actuator>'
+                                       '<custom><tuple name="t"><element objtype="actuator" objname="m"/></tuple></custom>', ""),
+    "points of a deformable body": (
+        '<flexcomp name="f" type="grid" count="2 2 1" spacing=".1 .1 .1" radius=".01" dim="2"/>', "", ""),
+    "a plugin that drives": ("", PLUGINS + '<actuator><plugin plugin="some.pid" instance="i" joint="j"/></actuator>', "some.pid"),
+}
+"""Name -> elements of the world and beside it that are no part of an avatar, and a word of the report."""
+
+
+@pytest.mark.parametrize("name", LEFT_OUT)
+def test_what_is_no_part_of_an_avatar_is_left_out(tmp_path: Path, name: str) -> None:
+    world, rest, word = LEFT_OUT[name]
+    (tmp_path / "parts.xml").write_text(f"<mujocoinclude>{PLUGINS}</mujocoinclude>")
+    (tmp_path / "noted.xml").write_text(f"<mujocoinclude><!-- nothing but plugins -->{PLUGINS}</mujocoinclude>")
+    model = av.load_avatar(mjcf(tmp_path, KEYED + world, rest))
+    assert model.avatar is not None and [link.name for link in model.avatar.links] == ["base", "arm"]
+    assert any(word in said for said in model.said)
 
 
 URDF = """<robot name="r"><material name="grey"><color rgba="1 1 1 1"/></material><material name="grey"/>
@@ -246,7 +235,7 @@ URDF = """<robot name="r"><material name="grey"><color rgba="1 1 1 1"/></materia
 <limit lower="-1" upper="1"/></joint></robot>"""
 
 
-def test_trees_that_are_no_avatar_are_reported_with_the_option_that_drives_all(tmp_path: Path) -> None:
+def test_trees_that_are_no_avatar_are_reported_with_an_option(tmp_path: Path) -> None:
     shape = '<geom size=".1"/>'
     arm = '<body name="{}" pos="{} 0 0"><joint axis="0 0 1"/>{}</body>'
     seen = shape.replace("/>", ' contype="0" conaffinity="0"/>')
@@ -258,15 +247,6 @@ def test_trees_that_are_no_avatar_are_reported_with_the_option_that_drives_all(t
     both = av.load_avatar(path, avatar=("a", "goal"))
     assert both.avatar is not None and both.coordinates is not None and both.coordinates.width == 2
     assert sum("c is no avatar" in said and "avatar=(" not in said for said in both.said) == 1
-
-
-def test_visuals_that_do_not_compile_are_not_read(tmp_path: Path) -> None:
-    path = tmp_path / "r.urdf"
-    path.write_text(URDF.format('<collision><geometry><sphere radius="0.1"/></geometry></collision>'))
-    model = av.load_avatar(path)
-    assert model.avatar is not None
-    (piece,) = (piece for link in model.avatar.links for piece in link.pieces)
-    assert isinstance(piece.shape, av.Sphere)
 
 
 @pytest.mark.parametrize("missing", [False, True])

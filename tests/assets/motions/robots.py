@@ -13,7 +13,9 @@ from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import solid
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid
+from avatarsim.scene.motion import Motion
 from avatarsim.scene.shape import Piece, Sphere
+from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
 from avatarsim.spatial.rotation import Array
 
@@ -72,6 +74,11 @@ def walk(frames: int, joints: int = len(JOINTS), seed: int = 0) -> Array:
     turns = rotation.from_rotation_vector(np.sin(2.0 * u) * np.array([0.1, 0.2, 0.6]))
     angles = 0.4 * np.sin(3.0 * u + rng.uniform(0.0, 3.0, joints))
     return np.concatenate([places, turns, angles], axis=1)
+
+
+def places(model: Model, motion: Motion) -> Array:
+    """Return places (F, links, 3) [m] of the avatar's links."""
+    return poses_of_links((model.avatar,), motion.positions, motion.rotations, motion.angles)[0]
 
 
 def saved(path: Path, arrays: Mapping[str, Any], save: Callable[..., None] = np.savez) -> Path:

@@ -10,9 +10,9 @@ from avatarsim.assets.motions.asf_amc import AmcFile, read_amc
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.joint import Hinges, Rigid
 from avatarsim.scene.motion import Motion
-from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
 from tests.assets.motions.files import ASF, amc
+from tests.assets.motions.robots import places
 from tests.assets.motions.twins import asf_places
 
 Array = NDArray[np.float64]
@@ -36,11 +36,9 @@ def test_bones_are_where_matrices_put_them(tmp_path: Path) -> None:
     values = rows(spread=60.0)
     file = made(tmp_path, amc(values), up="y", scale=UNIT)
     model = file.model()
-    motion = file.motion(model)
-    places = poses_of_links([model.avatar], motion.positions, motion.rotations, motion.angles)[0]
-    for k, row in enumerate(values):
+    for row, frame in zip(values, places(model, file.motion(model)), strict=True):
         expected = asf_places(ASF, row)
-        for link, place in zip(model.avatar.links, places[k], strict=True):
+        for link, place in zip(model.avatar.links, frame, strict=True):
             x, y, z = UNIT * expected[link.name]
             assert np.abs(place - [x, -z, y]).max() < 1e-12
 
@@ -175,7 +173,7 @@ def test_bones_that_slide_are_refused(tmp_path: Path) -> None:
         made(tmp_path, GOOD, asf)
 
 
-def test_whole_turns_are_left_out_of_the_motion_and_stay_in_the_file(tmp_path: Path) -> None:
+def test_whole_turns_stay_in_the_file_and_not_in_the_motion(tmp_path: Path) -> None:
     """A knee at 380 degrees is one at 20: within its limits as it is shown, and 380 where it is written."""
     values = rows(spread=1.0)
     values[:, 15] = 380.0

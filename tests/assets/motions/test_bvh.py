@@ -12,10 +12,10 @@ from pymotion.ops.skeleton import fk
 from avatarsim.assets.motions.bvh import BvhFile, read_bvh
 from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.scene.motion import Motion
-from avatarsim.scene.tracker import poses_of_links
 from avatarsim.scene.written import written as scene_data
 from avatarsim.spatial import rotation
 from tests.assets.motions.files import WALKER, bvh
+from tests.assets.motions.robots import places
 from tests.assets.motions.twins import bvh_places
 
 Array = NDArray[np.float64]
@@ -39,16 +39,15 @@ def written(folder: Path, text: str, name: str = "walker.bvh") -> Path:
 def world(file: BvhFile) -> Array:
     """Return places (F, links, 3) [m] of all joints."""
     model = file.model()
-    motion = file.motion(model)
-    return poses_of_links([model.avatar], motion.positions, motion.rotations, motion.angles)[0]
+    return places(model, file.motion(model))
 
 
 def test_joints_are_where_another_library_has_them(tmp_path: Path) -> None:
     path = written(tmp_path, bvh(WALKER, rows(spread=60.0)))
     other = BVH()
     other.load(str(path))
-    turns, places, parents, offsets, _, _ = other.get_data()
-    theirs, _ = fk(turns, places[:, 0], np.where(np.arange(len(offsets))[:, None] == 0, 0.0, offsets), parents)
+    turns, roots, parents, offsets, _, _ = other.get_data()
+    theirs, _ = fk(turns, roots[:, 0], np.where(np.arange(len(offsets))[:, None] == 0, 0.0, offsets), parents)
     assert np.abs(world(read_bvh(path, scale=0.01, up="z")) - 0.01 * theirs).max() < 1e-6
 
 
@@ -156,13 +155,13 @@ def test_hips_that_are_carried_about_are_the_root(tmp_path: Path) -> None:
     text = bvh(f"{carrier}{body}}}\n", np.concatenate([moves, rows()], axis=1))
     file = read_bvh(written(tmp_path, text), scale=0.01, up="z")
     assert file.model().avatar.links[0].name == "Hips"  # type: ignore[union-attr]
-    places = world(file)
+    where = world(file)
     for k, frame in enumerate(bvh_places(text)):
-        assert np.abs(places[k] - 0.01 * np.stack(list(frame.values())[1:])).max() < 1e-12
+        assert np.abs(where[k] - 0.01 * np.stack(list(frame.values())[1:])).max() < 1e-12
     own = file.recording.motion
     moved = Motion(own.times, own.positions + 0.02, own.rotations, own.angles)
     back = read_bvh(written(tmp_path, file.written(moved, file.model()).decode(), "again.bvh"), scale=0.01, up="z")
-    assert np.abs(world(back) - places - 0.02).max() < 1e-12
+    assert np.abs(world(back) - where - 0.02).max() < 1e-12
     assert (back.recording.values[:, :6] == moves).all()
 
 

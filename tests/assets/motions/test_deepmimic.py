@@ -16,20 +16,18 @@ from avatarsim.assets.motions.load import load_motion
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.joint import Ball
-from avatarsim.scene.motion import Motion
-from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
 from scenarios.building.avatars.humanoid import humanoid
 from scenarios.motion.mocap import clip_names, load_clip
 from scenarios.motion.track import track_of
 from tests.assets.motions.clips import figure, moving, upright, written
-from tests.assets.motions.robots import robot
+from tests.assets.motions.robots import places, robot
 
 NUMBER = st.floats(-3.0, 3.0)
 
 
 @given(st.tuples(NUMBER, NUMBER, NUMBER, NUMBER), st.tuples(NUMBER, NUMBER, NUMBER))
-def test_turning_then_changing_axes_is_changing_axes_then_turning(q: tuple[float, ...], vector: tuple[float, ...]) -> None:
+def test_turning_and_changing_axes_commute(q: tuple[float, ...], vector: tuple[float, ...]) -> None:
     v = np.array(vector)
     if np.linalg.norm(q) < 1e-3:
         return
@@ -39,18 +37,26 @@ def test_turning_then_changing_axes_is_changing_axes_then_turning(q: tuple[float
     assert np.array_equal(Y_UP.vectors(v), [v[0], -v[2], v[1]])
 
 
+def begun(column: int, value: float) -> list[list[float]]:
+    """Return two frames, of which the first has another number in a column."""
+    first = upright()
+    first[column] = value
+    return [first, upright()]
+
+
 @pytest.mark.parametrize(("frames", "says"), [
     ([upright(), upright()[:43]], "columns of frame 1.*43"), ([upright(), [*upright(), 0.0]], "columns of frame 1.*45"),
     ([upright(), "text"], "columns of frame 1.*str"), ([upright()], "number of frames.* 1"), ("none", "number of frames"),
-    ([], "number of frames.* 0"), ([upright(-0.1), upright()], "frame 0"),
+    ([], "number of frames.* 0"), (begun(0, -0.1), "frame 0"), (begun(0, 1e300), "step in frame 0"),
+    (begun(0, 1e-12), "step in frame 0"), (begun(2, 1e300), "place of the root in frame 0"),
+    (begun(43, 1e9), "angle of left_elbow in frame 0"), (begun(4, 1e300), "length of the root quaternion in frame 0"),
     *(([upright(), [*upright()[:-1], value]], "frame 1|numbers of clip") for value in (float("nan"), "x", 10**400, None, [0.0])),
     ([upright(), [*upright()[:4], 0.0, *upright()[5:]]], "root quaternion in frame 1"),
 ])
 def test_a_malformed_file_is_refused_by_name(tmp_path: Path, frames: object, says: str) -> None:
     with pytest.raises(InvalidFile, match=says) as caught:
         read_clip(written(tmp_path / "broken.txt", frames))
-    assert "broken.txt" in str(caught.value)
-    assert "44" in caught.value.valid or "quaternion" in caught.value.thing
+    assert "broken.txt" in str(caught.value) and caught.value.valid
 
 
 def test_a_truncated_file_is_refused_by_name(tmp_path: Path) -> None:
@@ -60,17 +66,6 @@ def test_a_truncated_file_is_refused_by_name(tmp_path: Path) -> None:
         read_clip(tmp_path / "half.txt")
     with pytest.raises(InvalidFile, match=r"absent\.txt"):
         read_clip(tmp_path / "absent.txt")
-
-
-@pytest.mark.parametrize(("column", "value", "says"), [
-    (0, 1e300, "step in frame 0"), (0, 1e-12, "step in frame 0"), (2, 1e300, "place of the root in frame 0"),
-    (43, 1e9, "angle of left_elbow in frame 0"), (4, 1e300, "length of the root quaternion in frame 0"),
-])
-def test_numbers_that_no_recording_has_are_refused(tmp_path: Path, column: int, value: float, says: str) -> None:
-    first = upright()
-    first[column] = value
-    with pytest.raises(InvalidFile, match=says):
-        read_clip(written(tmp_path / "broken.txt", [first, upright()]))
 
 
 @pytest.mark.parametrize("name", ["walk", "kick", "backflip"])
@@ -93,10 +88,6 @@ def test_the_harness_and_a_user_see_one_motion(name: str) -> None:
     assert again == json.loads(data_file(f"data/motions/humanoid3d_{name}.txt").read_text())
 
 
-def places(model: Model, motion: Motion) -> np.ndarray:
-    return poses_of_links((model.avatar,), motion.positions, motion.rotations, motion.angles)[0]
-
-
 def test_a_figure_drawn_with_y_up_moves_as_one_drawn_with_z_up(tmp_path: Path) -> None:
     file = load_motion(written(tmp_path / "some.txt", moving(6)))
     tall, flat = figure(), figure(y_up=True)
@@ -106,7 +97,7 @@ def test_a_figure_drawn_with_y_up_moves_as_one_drawn_with_z_up(tmp_path: Path) -
 
 
 @pytest.mark.parametrize("flat", [False, True])
-def test_rows_that_stay_keep_the_files_numbers_and_others_come_back(tmp_path: Path, flat: bool) -> None:
+def test_unchanged_rows_keep_their_numbers_and_others_come_back(tmp_path: Path, flat: bool) -> None:
     rows, path, model = moving(6), tmp_path / "some.txt", figure(flat)
     path.write_text(json.dumps({"Loop": "none", "More": [1, {"a": None}], "Frames": rows}))
     file = load_motion(path)

@@ -31,7 +31,7 @@ def test_a_frame_is_judged_the_same_wherever_its_clip_is_cut(tmp_path: Path, cut
     assert (before.proven[cut.start : cut.stop - 1] == found.proven).all()
 
 
-def test_without_a_home_a_folded_skeleton_states_the_frame_that_it_takes(tmp_path: Path) -> None:
+def test_a_folded_skeleton_states_the_frame_taken_as_home(tmp_path: Path) -> None:
     whole = written(tmp_path, "whole.bvh", rows())
     model, _ = judged(whole)
     frame = int(np.argmin(np.abs(rows()[:, 6])))
@@ -42,7 +42,7 @@ def test_without_a_home_a_folded_skeleton_states_the_frame_that_it_takes(tmp_pat
     assert not any("home" in said for said in read_bvh(whole, home=frame).said)
 
 
-def test_joints_with_places_of_their_own_lie_where_the_home_has_them(tmp_path: Path) -> None:
+def test_joints_with_own_places_lie_where_the_home_has_them(tmp_path: Path) -> None:
     """A constant place, whose mean is rounded differently in each cut."""
     text = hierarchy().replace("CHANNELS 3 Zrotation", "CHANNELS 6 Xposition Yposition Zposition Zrotation")
     old = rows()
@@ -65,7 +65,7 @@ def test_a_home_that_is_none_is_refused(tmp_path: Path, home: object) -> None:
     assert "home" in found.value.thing and found.value.valid
 
 
-def test_a_frame_that_does_not_stand_and_files_that_are_not_there_are_refused(tmp_path: Path) -> None:
+def test_refuses_a_home_that_does_not_stand_or_is_missing(tmp_path: Path) -> None:
     values = rows()
     values[4, 12:30] = 0.0
     path = written(tmp_path, "w.bvh", values)

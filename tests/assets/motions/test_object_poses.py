@@ -76,7 +76,7 @@ def test_a_shape_comes_from_the_size_or_from_a_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("turns", [TURNS, rotation.to_matrix(TURNS)])
-def test_poses_are_written_as_they_were_and_at_other_times_between(tmp_path: Path, turns: np.ndarray) -> None:
+def test_object_poses_are_written_back_and_resampled(tmp_path: Path, turns: np.ndarray) -> None:
     path = clip(tmp_path, object_pos_w=PLACES, object_quat_w=turns, object_lin_vel_w=0.0 * PLACES)
     file, model = load_motion(path), robot()
     motion = file.motion(model)

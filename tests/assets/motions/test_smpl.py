@@ -9,15 +9,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.smpl_skeleton import TREES, approximate, theirs
 from avatarsim.assets.motions.load import load_motion
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
-from avatarsim.scene.joint import Ball, Free
 from avatarsim.scene.motion import Motion
-from avatarsim.scene.tracker import poses_of_links
 from avatarsim.scene.written import written as scene_data
-from tests.assets.motions.robots import entries, robot, saved, walk
+from tests.assets.motions.robots import entries, places, robot, saved, walk
 
 FRAMES = 8
 MEMBERS = {"SMPL": 72, "SMPL-H": 156, "SMPL-X": 165}
@@ -63,10 +60,6 @@ def joints_by_matrices(poses: np.ndarray, trans: np.ndarray, rest: np.ndarray, m
     return found
 
 
-def links(model: Model, motion: Motion) -> np.ndarray:
-    return poses_of_links((model.avatar,), motion.positions, motion.rotations, motion.angles)[0]
-
-
 def rest_joints(member: str) -> np.ndarray:
     """Return joints at rest in the family's axes, and further rows as model files have them."""
     skeleton, pelvis = approximate(member, 1.8)
@@ -87,7 +80,7 @@ def test_joints_are_where_matrices_put_them(tmp_path: Path, member: str, up: str
         joints = theirs(skeleton.rest[: len(skeleton.bones)]) + pelvis
     found = load_motion(saved(tmp_path / "some.npz", arrays), **options)
     model = found.model()
-    shown = links(model, found.motion(model))
+    shown = places(model, found.motion(model))
     expected = joints_by_matrices(arrays["poses"], arrays["trans"], joints, member)
     if up == "y":
         expected = np.stack([expected[..., 0], -expected[..., 2], expected[..., 1]], axis=-1)
@@ -95,23 +88,7 @@ def test_joints_are_where_matrices_put_them(tmp_path: Path, member: str, up: str
     assert np.allclose(found.motion(model).times, np.arange(FRAMES) / 120.0)
 
 
-def test_the_avatar_stands_and_its_joints_are_the_familys(tmp_path: Path) -> None:
-    arrays = amass()
-    arrays["poses"] = np.tile(np.r_[STANDING, np.zeros(153)], (FRAMES, 1))
-    found = load_motion(saved(tmp_path / "some.npz", arrays))
-    model = found.model()
-    assert model.coordinates.names == tuple(name for name, _ in TREES["SMPL-H"])
-    assert isinstance(model.avatar.links[0].joint, Free) and all(isinstance(link.joint, Ball) for link in model.avatar.links[1:])
-    shown = links(model, found.motion(model))
-    names = model.coordinates.names
-    assert shown[0, names.index("head"), 2] - shown[0, names.index("left_foot"), 2] == pytest.approx(1.5, abs=0.1)
-    # it looks along -y, so that its left is along x
-    assert shown[0, names.index("left_wrist"), 0] - shown[0, names.index("right_wrist"), 0] > 1.0
-    assert shown[0, names.index("left_foot"), 1] < shown[0, names.index("left_ankle"), 1]
-    assert sum(link.mass.mass for link in model.avatar.links) == pytest.approx(75.0, abs=3.0)
-
-
-def test_ranges_and_allowed_depths_of_a_body_do_not_depend_on_its_clip(tmp_path: Path) -> None:
+def test_ranges_and_allowed_depths_are_the_same_for_every_clip(tmp_path: Path) -> None:
     arrays = amass()
     bent = arrays | {"poses": arrays["poses"] + np.linspace(0.0, 1.2, 156)}
     files = [saved(tmp_path / f"{k}.npz", own) for k, own in enumerate((arrays, bent))]
@@ -149,7 +126,7 @@ def test_bodies_are_written_bit_for_bit_where_nothing_moved(tmp_path: Path, form
         (tmp_path / "other.npz").write_bytes(found.written(changed, model))
         again = load_motion(tmp_path / "other.npz").motion(model)
         fine = 3e-7 if form == "float32" else 1e-12
-        assert np.abs(links(model, again) - links(model, changed)).max() < 4.0 * fine
+        assert np.abs(places(model, again) - places(model, changed)).max() < 4.0 * fine
         written = entries((tmp_path / "other.npz").read_bytes())
         for key, values in arrays.items():
             moves = key in ("poses", "trans", "root_orient", "pose_body")
@@ -169,7 +146,7 @@ def test_another_rate_is_written_with_its_rate(tmp_path: Path) -> None:
     assert written["mocap_framerate"] == 240.0 and "dmpls" not in written and "joints" not in written
     again = load_motion(tmp_path / "other.npz").motion(model)
     assert np.abs(again.times - motion.times).max() < 1e-12
-    assert np.abs(links(model, again) - links(model, motion)).max() < 1e-12
+    assert np.abs(places(model, again) - places(model, motion)).max() < 1e-12
 
 
 @pytest.mark.parametrize(("change", "says"), [
@@ -212,10 +189,3 @@ def test_options_of_the_other_kind_are_refused(tmp_path: Path) -> None:
         load_motion(trajectory, stature=1.7)
     with pytest.raises(UnknownName, match="up"):
         load_motion(body, up="x")
-
-
-def test_objects_beside_the_pose_are_left_out(tmp_path: Path) -> None:
-    np.savez(tmp_path / "some.npz", **amass(), labels=np.array([{}], dtype=object))
-    found = load_motion(tmp_path / "some.npz")
-    model = found.model()
-    assert "labels" not in entries(found.written(found.motion(model), model))

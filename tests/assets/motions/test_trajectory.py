@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from avatarsim.assets.models.coordinates import Coordinates, Slot
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions.load import load_motion
+from avatarsim.assets.motions.matching import Layout, columns, coordinates_of_model
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import poses_of_links
@@ -112,7 +114,7 @@ def raised(motion: Motion, first: int, last: int) -> Motion:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_conventions_of_several_tools_are_one_motion_and_are_written_again(tmp_path: Path, form: str) -> None:
+def test_conventions_of_all_tools_are_read_and_written_back(tmp_path: Path, form: str) -> None:
     arrays, options = FORMS[form]
     found, model = load_motion(saved(tmp_path / "some.npz", arrays), **options), robot()
     motion = found.motion(model)
@@ -243,7 +245,7 @@ def without(key: str) -> dict[str, Any]:
 
 
 def spoiled(key: str, value: Any) -> dict[str, Any]:
-    return {**{name: values for name, values in gmr().items()}, key: value}
+    return {**gmr(), key: value}
 
 
 @pytest.mark.parametrize(("arrays", "says"), [
@@ -252,6 +254,8 @@ def spoiled(key: str, value: Any) -> dict[str, Any]:
     (without("fps"), "frames a second of some.npz"),
     ({**holosoma(), "joint_names": np.array(["a", "b", "c", "d"])}, "missing: waist, left_shoulder"),
     ({**holosoma(), "joint_names": np.array([1, 2, 3, 4])}, "row of names"),
+    ({"fps": 50, "joint_pos": np.ones((5, 12)), "joint_names": JOINTS}, "columns of some.npz is 12; valid: 11"),
+    ({"fps": 50, "joint_pos": np.ones((5, 12)), "joint_names": [*JOINTS, "waist"]}, "joint of some.npz is 'waist'.*once"),
     (spoiled("root_rot", np.zeros((FRAMES, 3))), "shape of root_rot"),
     (spoiled("root_rot", np.zeros((FRAMES, 4))), "length of the quaternion of floating_base in frame 0"),
     (spoiled("root_pos", np.zeros((FRAMES - 1, 3))), "frames of some.npz"),
@@ -266,6 +270,11 @@ def test_files_that_do_not_fit_end_in_a_sentence(tmp_path: Path, arrays: Mapping
         load_motion(saved(tmp_path / "some.npz", arrays)).motion(robot())
 
 
+def test_a_fixed_robot_is_driven_by_no_root(tmp_path: Path) -> None:
+    with pytest.raises(InvalidFile, match="root of some.npz.*free root"):
+        load_motion(saved(tmp_path / "some.npz", loco())).motion(robot(free=False))
+
+
 def turning(frames: int, canonical: bool) -> np.ndarray:
     """Return rows whose root makes two whole turns; if `canonical`, quaternions with a scalar part from 0 on."""
     q = walk(frames)
@@ -276,7 +285,7 @@ def turning(frames: int, canonical: bool) -> np.ndarray:
 
 
 @pytest.mark.parametrize("canonical", [False, True])
-def test_quaternions_are_read_and_written_without_new_changes_of_sides(tmp_path: Path, canonical: bool) -> None:
+def test_quaternions_change_no_sides_in_reading_and_writing(tmp_path: Path, canonical: bool) -> None:
     q = turning(60, canonical)
     model = robot()
     own = model.coordinates.motion(q, np.arange(60) / 50.0)
@@ -305,3 +314,16 @@ def test_balls_are_rows_of_four(tmp_path: Path) -> None:
     found = load_motion(saved(tmp_path / "some.npz", {"qpos": q, "fps": 30}))
     motion = found.motion(puppet())
     assert np.allclose(np.abs((motion.rotations[:, 1] * q[:, 7:11]).sum(axis=1)), 1.0) and np.allclose(motion.angles, q[:, 11:])
+
+
+def test_a_body_without_joints_is_driven_by_no_robots_motion() -> None:
+    cube = Coordinates((Slot("cube", "free", 0),), 1, 0)
+    with pytest.raises(InvalidFile, match="joints of a is '?waist, .*at least one of the avatar's: cube"):
+        columns("a", Layout(JOINTS, "wxyz"), 11, cube)
+    assert columns("a", Layout(("cube",), "wxyz"), 7, cube).tolist() == [*range(7)]
+    assert columns("a", Layout((), "wxyz"), 7, cube).tolist() == [*range(7)]
+
+
+def test_a_room_has_no_joints() -> None:
+    with pytest.raises(InvalidFile, match=r"avatar for a\.csv"):
+        coordinates_of_model("a.csv", Model(None, None, (), ()))

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 from numpy.typing import NDArray
+from trimesh.transformations import rotation_matrix, translation_matrix
 
 from tests.assets.motions.files import AMC_ORDER
 
@@ -12,19 +13,7 @@ Array = NDArray[np.float64]
 
 def turn(axis: int, degrees: float) -> Array:
     """Return the homogeneous matrix of a turn about a coordinate axis."""
-    a, b = (axis + 1) % 3, (axis + 2) % 3
-    found = np.eye(4)
-    found[a, a] = found[b, b] = np.cos(np.radians(degrees))
-    found[b, a] = np.sin(np.radians(degrees))
-    found[a, b] = -found[b, a]
-    return found
-
-
-def shift(vector: Array) -> Array:
-    """Return the homogeneous matrix of a translation."""
-    found = np.eye(4)
-    found[:3, 3] = vector
-    return found
+    return np.asarray(rotation_matrix(np.radians(degrees), np.eye(3)[axis]))
 
 
 def bvh_places(text: str) -> list[dict[str, Array]]:
@@ -48,7 +37,7 @@ def _bvh_frame(words: list[str], row: Array) -> dict[str, Array]:
             name = ""
         elif words[k] == "OFFSET":
             offset = np.array(words[k + 1 : k + 4], dtype=np.float64)
-            stack.append(stack[-1] @ shift(offset))
+            stack.append(stack[-1] @ translation_matrix(offset))
         elif words[k] == "CHANNELS":
             turns = np.eye(4)
             for channel in words[k + 2 : k + 2 + int(words[k + 1])]:
@@ -58,7 +47,7 @@ def _bvh_frame(words: list[str], row: Array) -> dict[str, Array]:
                 else:
                     turns = turns @ turn(axis, row[column])
                 column += 1
-            stack[-1] = stack[-2] @ shift(offset) @ turns
+            stack[-1] = stack[-2] @ translation_matrix(offset) @ turns
             found[name] = stack[-1][:3, 3]
         elif words[k] == "}":
             stack.pop()
@@ -76,7 +65,7 @@ def asf_places(asf: str, row: Array) -> dict[str, Array]:
     for bone, count in AMC_ORDER:
         numbers[bone] = row[at : at + count]
         at += count
-    root = shift(numbers["root"][:3])
+    root = translation_matrix(numbers["root"][:3])
     for k in (2, 1, 0):
         root = root @ turn(k, numbers["root"][3 + k])
     found, world, ends = {"root": root[:3, 3]}, {"root": root}, {"root": np.zeros(3)}
@@ -91,7 +80,7 @@ def asf_places(asf: str, row: Array) -> dict[str, Array]:
                 dof = "r" + letter.lower()
                 if dof in bone.get("dof", []):
                     own = turn("XYZ".index(letter), numbers[child][bone["dof"].index(dof)]) @ own
-            world[child] = world[parent] @ shift(ends[parent]) @ frame @ own @ np.linalg.inv(frame)
+            world[child] = world[parent] @ translation_matrix(ends[parent]) @ frame @ own @ np.linalg.inv(frame)
             ends[child] = float(bone["length"][0]) * np.array(bone["direction"], dtype=np.float64)
             found[child] = world[child][:3, 3]
     return found
