@@ -27,7 +27,7 @@ from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
 
 
-def lower_loop(
+def make_lower_loop(
     world: World, method: str, chosen: Chosen, seed: int, record: bool
 ) -> IkLoop | PaperLoop | TrackedLoop:
     """Return the lower loop of a method; without overlap removal the tracker's posture is shown as it is."""
@@ -66,7 +66,7 @@ class Frames:
         moving = np.zeros(len(world.scene.names), dtype=np.int64)
         if self.driven:
             self.target = Target(world)
-            self.lower = lower_loop(world, method, chosen, seed, record)
+            self.lower = make_lower_loop(world, method, chosen, seed, record)
         if self.effects.dynamics:
             kept = (chosen.paper if method == "paper" else chosen.posture).stand_off
             self.upper = SimulatedLoop(world, paper=method == "paper", record=record, stand_off=kept)

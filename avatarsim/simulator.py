@@ -91,7 +91,7 @@ class AvatarsimEngine:
     def __init__(self) -> None:
         self._frames: Frames | None = None
         self._settings, self._chosen = Settings(), Chosen()
-        self._before: tuple[Array, Array] = NOWHERE, NOWHERE
+        self._placed_poses: tuple[Array, Array] = NOWHERE, NOWHERE
         self._still: tuple[Array, Array] | None = None
         self._identity: Identity | None = None
         self._dt = 0.0
@@ -272,7 +272,7 @@ class AvatarsimEngine:
             user = sample if user is None else user
             moved = put_avatars(self._running(), sample, user, bodies or {}, self._settings.start == "exact")
             if bodies:
-                self._before = shown_poses(self._running().world)
+                self._placed_poses = shown_poses(self._running().world)
             return self._record({}, {}, (), moved=moved)
 
     def place(self, poses: Mapping[str, Pose]) -> FrameRecord:
@@ -286,7 +286,7 @@ class AvatarsimEngine:
         """
         with self._alone():
             place_bodies(self._running(), poses)
-            self._before = shown_poses(self._running().world)
+            self._placed_poses = shown_poses(self._running().world)
             return self._record({}, {}, ())
 
     def weigh_links(self, factors: Array) -> None:
@@ -354,7 +354,7 @@ class AvatarsimEngine:
             frames.lower.stand(frames.target)
         attach_at_start(frames, old.world if old else None)
         self._settings, self._chosen, self._frames, self._dt, self._identity = settings, chosen, frames, float(dt), None
-        self._before = shown_poses(world)
+        self._placed_poses = shown_poses(world)
         v, moves = world.velocities, world.scene.effects.dynamics or world.scene.effects.coupling
         self._still = None if moves else (at_rest(v.linear), at_rest(v.angular))
         self._rehearse(frames, scene.first_sample, dt)
@@ -458,7 +458,7 @@ class AvatarsimEngine:
         world = frames.world
         if written is None:
             # without simulated bodies only links move, and of velocities there are none
-            position, orientation = shown_again(world, self._before, world.skeleton.first if self._still else 0)
+            position, orientation = shown_again(world, self._placed_poses, world.skeleton.first if self._still else 0)
             angles = world.posture.angle[world.hinges]
         else:
             position, orientation, angles = written.positions.copy(), written.orientations.copy(), written.angles.copy()

@@ -22,8 +22,8 @@ ALWAYS_THERE: Mapping[str, str] = {
 """Effects that these adapters do not leave out, and the consequence."""
 
 
-def alike_in_both(scene: Scene) -> dict[str, str]:
-    """Features that neither engine has -> consequence; `no EFFECT` -> why not, for effects that were narrowed away in vain."""
+def alike_in_all(scene: Scene) -> dict[str, str]:
+    """Features that no other engine has -> consequence; `no EFFECT` -> why not, for effects that were narrowed away in vain."""
     lacks: dict[str, str] = {}
     if any(isinstance(link.joint, Ball) and link.joint.cone for link in scene.links):
         lacks["reach cones"] = "no spherical polygons: ignored"
@@ -55,4 +55,4 @@ def alike_in_game_engines(scene: Scene, share: float = 1e-3, averages: bool = Fa
         lacks["couplings"] = "each joint is led by itself: what blocks a follower does not stop its leader"
     if scene.effects.coupling:
         lacks["virtual coupling"] = "no spring of eq. 6: after a collision a link goes back to its user as its own drive has it"
-    return lacks | alike_in_both(scene)
+    return lacks | alike_in_all(scene)

@@ -1,4 +1,4 @@
-"""Steps within limits of speed and acceleration, each of which leaves a proved way to rest.
+"""Steps of the Shield within limits of speed and acceleration, each of which leaves a proved way to rest.
 
 After each call the uniform braking (`ik.rate_limits`) is proved free. In the tangent space it continues along the line of the
 step, so that one certificate, of the way from the shown posture to where the avatar is at rest, covers a step and the way to

@@ -295,7 +295,8 @@ class IkState(NamedTuple):
     """State that stays from frame to frame.
 
     tracking          a row per avatar
-    target_before, tracker_before   the clipped target and the tracker's posture of the last frame
+    target_before, tracker_before   the clipped target and the tracker's posture of the last frame; from
+                      `open_budgets` on, of this one
     force             (nl, 3) [m] force of the contacts of the last step on each link: multipliers times normals, a
                       gradient of the objective [m^2]
     bend              (nl) [m^2] the inertia by which these forces bend the Lagrangian

@@ -161,7 +161,7 @@ def tumbling(parts: Parts) -> list[str]:
 
 
 NO_OVERLAP, STAYS, BOUNCES, FAST = "1 (no overlap)", "2 (stays with the user)", "3 (bounces as stated)", "4 (speed)"
-"""The engine's promises, as README.md numbers them."""
+"""The engine's promises, as docs/concepts.md numbers them."""
 
 CALLS = (
     Call("overlap_removal", "an avatar", "a tracked posture goes into things; the one shown must not", NO_OVERLAP, driven),

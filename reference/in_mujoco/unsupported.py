@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from avatarsim.scene.joint import Ball, Rigid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import ConvexHull
-from reference.narrowing import alike_in_both
+from reference.narrowing import alike_in_all
 
 
 def unsupported(scene: Scene, hinged: bool = False) -> Mapping[str, str]:
@@ -41,4 +41,4 @@ def unsupported(scene: Scene, hinged: bool = False) -> Mapping[str, str]:
         )
     if any(isinstance(avatar.links[0].joint, Rigid) for avatar in scene.avatars):
         features["rigid root"] = "links that cannot move make no contact with fixed bodies"
-    return features | alike_in_both(scene)
+    return features | alike_in_all(scene)

@@ -159,7 +159,7 @@ def _hierarchy(name: str, lines: list[str]) -> tuple[list[_Joint], int]:
             stack.append(awaited)
             awaited = None
         elif word == "motion" and not stack:
-            return _complete(name, joints), line
+            return _number_columns(name, joints), line
         elif word in ("root", "joint"):
             awaited = _open(at, name, said, word, joints, stack, line)
         elif word == "end" and len(words) > 1 and words[1].lower() == "site":
@@ -230,7 +230,7 @@ def _channels(at: str, said: str, joints: list[_Joint], joint: _Joint) -> None:
     joint.channels = tuple(CHANNELS[called] for called in names)
 
 
-def _complete(name: str, joints: list[_Joint]) -> list[_Joint]:
+def _number_columns(name: str, joints: list[_Joint]) -> list[_Joint]:
     """Return the joints with their columns counted; InvalidFile for none, and for one that lacks a line."""
     if not joints:
         raise InvalidFile(f"joints of {name}", 0, "a ROOT at least")
