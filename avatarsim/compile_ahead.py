@@ -223,7 +223,7 @@ def compile_goals() -> None:
     Limb(avatar, {2: np.array([9.0, 0.0, 0.0])}).reach(rest((avatar,)))
     alone, goals = BareAvatars((avatar,)), make_goals(1)
     posture = alone.read(rest((avatar,)))
-    approach(alone.skeleton, goals, 0.1, 1e-5, 1, 0.1, posture, make_goal_scratch(alone.skeleton, 1))
+    approach(alone.skeleton, goals, 0.1, 1e-5, 1, 0.1, 1e-4, posture, make_goal_scratch(alone.skeleton, 1))
     alone.poses(alone.clipped(posture))
 
 

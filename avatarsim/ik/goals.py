@@ -110,7 +110,7 @@ def mobility(skel: Skeleton, links: Sequence[int], lever: float) -> Vectors:
 
 @entry_kernel
 def approach(
-    skel: Skeleton, goals: Goals, lever: float, close: float, rounds: int, most: float, posture_out: Posture,
+    skel: Skeleton, goals: Goals, lever: float, close: float, rounds: int, most: float, damping: float, posture_out: Posture,
     scratch_out: GoalScratch,
 ) -> bool:
     """Move a posture within its limits towards goals, in at most so many rounds, no joint by more than `most` [rad, levers].
@@ -118,6 +118,7 @@ def approach(
     Args:
         lever: length [m] that a turn of a radian counts as.
         close: error [m] below which the goals are reached, turns counted by the lever.
+        damping: least damping, as `DAMPING`.
 
     Returns:
         Whether it came to a place from where further rounds would not help: the goals are out of reach.
@@ -133,7 +134,7 @@ def approach(
         if size > STALLED * before:
             return True
         before = size
-        find_step(skel, 0.5 * size * size + DAMPING * lever * lever, s)
+        find_step(skel, 0.5 * size * size + damping * lever * lever, s)
         shorten(skel, lever, min(left, STEEPEST), s)
         # motion that a limit takes away is not spent
         left -= take_within_limits(skel, lever, posture_out, s)

@@ -8,7 +8,7 @@ from math import atan2, hypot, sqrt
 import numpy as np
 from numpy.typing import ArrayLike
 
-from avatarsim.ik.goals import SPENT, Goals, GoalScratch, approach, make_goal_scratch, make_goals, mobility
+from avatarsim.ik.goals import DAMPING, SPENT, Goals, GoalScratch, approach, make_goal_scratch, make_goals, mobility
 from avatarsim.live.drive.tree import Array, Poses, Posture, Tree
 from avatarsim.scene.joint import MANY_TURNS
 from avatarsim.spatial import rotation
@@ -78,7 +78,7 @@ class Pull:
             if goal.orientation is not None:
                 asked.turn[g] = rotation.to_matrix(goal.orientation)
         found = arrays.read(posture.sample(0.0))
-        is_stuck = approach(arrays.skeleton, asked, self.lever, CLOSE, ROUNDS, most, found, scratch)
+        is_stuck = approach(arrays.skeleton, asked, self.lever, CLOSE, ROUNDS, most, DAMPING, found, scratch)
         self.tree.take_over(found, [k for k in self.joints if self.tree.nodes[k].is_ball], posture)
         return is_stuck and not still
 

@@ -3,10 +3,9 @@
 from dataclasses import replace
 from pathlib import Path
 
-import hypothesis
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from avatarsim.assets.models.coordinates import coordinates_of
@@ -36,11 +35,12 @@ def test_poses_are_those_of_mujoco(arms: Model) -> None:
             assert abs(turn @ data.body(name).xquat) == pytest.approx(1.0, abs=1e-12)
 
 
-@hypothesis.seed(1)
 @settings(max_examples=40)
+@example(152)
+@example(523)
 @given(st.integers(0, 10**6))
 def test_reachable_places_are_reached_within_limits(arms: Model, seed: int) -> None:
-    """The seed fixes the postures: in one of some 150, such as 152 and 5767, the search ends 2 to 3 micrometres off."""
+    """In the examples an arm is nearly stretched."""
     rng = np.random.default_rng(seed)
     there = rng.uniform([-1.2, -1.5, -2.0, -1.5] * 2, [1.2, 1.5, -0.4, 1.5] * 2)
     goals = {name: arms.pose(there)[name][0] for name in ("left palm", "right palm")}
