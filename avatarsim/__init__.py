@@ -4,8 +4,7 @@ A tracked hand or body follows its user, also into walls, tables and its own lim
 touches but never overlaps, within joint limits, and makes loose objects bounce, slide and roll off it. It implements and extends
 Schmidl and Lin, *Real-time Physically-based Interaction between Avatars and Virtual Environments*.
 
-Example
--------
+Example:
 A fist moves down to a table and through it; it is shown on top.
 
     >>> import numpy as np
@@ -108,7 +107,7 @@ and its effect), `avatarsim.errors`. Nothing of the engine is imported before a 
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from avatarsim.version import VERSION as __version__
+from avatarsim.version import VERSION as __version__  # noqa: N811
 
 if TYPE_CHECKING:
     from avatarsim.assets.meshes import pieces_of_mesh

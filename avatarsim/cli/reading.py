@@ -98,6 +98,7 @@ def reading_of(asked: argparse.Namespace) -> Reading:
 
 
 def absolute(path: Path | None) -> str | None:
+    """Return the absolute path as text; None without one."""
     return None if path is None else str(path.absolute())
 
 

@@ -65,7 +65,7 @@ class Forked(ForkServerProcess):
     """A process of the fork server."""
 
     @staticmethod
-    def _Popen(process_obj: BaseProcess) -> Told:
+    def _Popen(process_obj: BaseProcess) -> Told:  # noqa: N802
         return Told(process_obj)
 
 

@@ -7,8 +7,9 @@ from typing import Literal, TypeVar
 
 @dataclass(frozen=True)
 class Missing:
-    """No number, and the reason. `fault` names its cause:
+    """No number, and the reason.
 
+    `fault` names its cause.
     engine   it never did the measured thing (a ball that never came down): a bound on it has failed
     scene    the scene gives no occasion in the frames that were run: not measured
     package  a package that measures is not installed: not measured
