@@ -9,7 +9,7 @@ import pytest
 from avatarsim.engine import Settings
 from reference.in_mujoco.engine import MujocoEngine
 from reference.in_mujoco.unsupported import unsupported as mujoco_unsupported
-from reference.narrowing import ALWAYS_THERE, alike_in_both
+from reference.narrowing import ALWAYS_THERE, alike_in_all
 from scenarios import catalog
 
 SCENES = {
@@ -28,7 +28,7 @@ def test_what_stays_all_the_same_is_said(effect: str) -> None:
     said = f"no {effect.replace('_', ' ')}"
     assert said not in mujoco_unsupported(scene)
     less = replace(scene, narrow=(effect,))
-    assert said in mujoco_unsupported(less) and said in alike_in_both(less)
+    assert said in mujoco_unsupported(less) and said in alike_in_all(less)
     pybullet = pytest.importorskip("reference.in_pybullet.unsupported", exc_type=ImportError)
     assert said in pybullet.unsupported(less) and said not in pybullet.unsupported(scene)
 
