@@ -5,7 +5,9 @@ So the parent sleeps while frames are timed; the threads of Pebble, which runs a
 
 import multiprocessing
 import time
+from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from types import TracebackType
 from typing import Self
@@ -13,6 +15,8 @@ from typing import Self
 from avatarsim.engine import Engine
 from avatarsim.errors import described, ended_by
 from avatarsim.running.processes import settled
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample
 from scenarios.engines import opened
 from scenarios.job import Job
 from scenarios.run.accuracy import prepare
@@ -29,15 +33,31 @@ Repeat = tuple[list[int], dict[str, list[int]], str]
 """Times [ns] of all frames from outside and per stage, and the state hash of the last."""
 
 
-class LoadedFrames:
-    """So many frames of a job from frame `first` on, ready to be timed; those before have run."""
+@dataclass(frozen=True)
+class Window:
+    """A scene and the samples of its frames: those that run `before`, and those that are `timed`."""
 
-    def __init__(self, job: Job, frames: int, first: int = 0) -> None:
-        prepared = prepare(job)
-        self.dt, self.samples = prepared.scenario.dt, prepared.samples[first : first + frames]
+    scene: Scene
+    dt: float
+    before: Sequence[TrackerSample]
+    timed: Sequence[TrackerSample]
+
+
+def window(job: Job, frames: int, first: int = 0) -> Window:
+    """Return so many frames of a job's scene from frame `first` on. It is sent to the processes of all engines, each of which
+    would take ten times as long to make it."""
+    prepared = prepare(job)
+    return Window(prepared.scene, prepared.scenario.dt, prepared.samples[:first], prepared.samples[first : first + frames])
+
+
+class LoadedFrames:
+    """The frames of a window, ready to be timed in one engine; those before have run."""
+
+    def __init__(self, job: Job, given: Window) -> None:
+        self.dt, self.samples = given.dt, given.timed
         self.engine: Engine = opened(job.engine)
-        self.shown = self.engine.load(prepared.scene, job.settings(self.engine, stages=True), self.dt)
-        for sample in prepared.samples[:first]:
+        self.shown = self.engine.load(given.scene, job.settings(self.engine, stages=True), self.dt)
+        for sample in given.before:
             self.shown = self.engine.advance(sample, self.dt)
 
     def run(self) -> Repeat:
@@ -59,7 +79,7 @@ class LoadedFrames:
 
 def repeat(job: Job, frames: int) -> Repeat:
     """Load a job in this process and time its first frames."""
-    return LoadedFrames(job, frames).run()
+    return LoadedFrames(job, window(job, frames)).run()
 
 
 def _serve(connection: Connection) -> None:
@@ -97,7 +117,7 @@ class TimedWorker:
         """Order it to load a job and run up to frame `first`, ready for so many frames from there on."""
         # `answer` reports a process that has died meanwhile
         with suppress(ConnectionError):
-            self.end.send((job, frames, first))
+            self.end.send((job, window(job, frames, first)))
 
     def start(self) -> None:
         """Order it to run the loaded frames."""

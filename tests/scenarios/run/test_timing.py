@@ -14,7 +14,7 @@ from scenarios.catalog import get
 from scenarios.job import Job
 from scenarios.measure.timing import Round, Timed
 from scenarios.run.machine import Meter
-from scenarios.run.timed_worker import LoadedFrames, TimedWorker, TimedWorkers
+from scenarios.run.timed_worker import LoadedFrames, TimedWorker, TimedWorkers, window
 from scenarios.run.timing import (
     BEFORE_CONTACT,
     CHEAP_TIME,
@@ -58,8 +58,9 @@ def test_each_repeat_is_a_fresh_load_whatever_ran_before() -> None:
     worker.close()
     assert worker.child.exitcode == 0
     counts, lasts = zip(*found, strict=True)
-    assert counts == (12, 12, 7, 5, 12) and lasts[0] == lasts[1] == lasts[4] == LoadedFrames(BALL, 12).run()[2]
-    assert lasts[2] == LoadedFrames(ZENO, 7).run()[2] and lasts[3] == LoadedFrames(BALL, 5).run()[2] != lasts[0]
+    here = [LoadedFrames(job, window(job, frames)).run()[2] for job, frames in ((BALL, 12), (ZENO, 7), (BALL, 5))]
+    assert counts == (12, 12, 7, 5, 12) and lasts[0] == lasts[1] == lasts[4] == here[0]
+    assert list(lasts[2:4]) == here[1:] and here[2] != here[0]
 
 
 def test_every_frame_is_timed_or_the_engine_has_a_reason(tmp_path: os.PathLike[str], monkeypatch: pytest.MonkeyPatch) -> None:
