@@ -32,10 +32,6 @@ CUT_SHORT = ("--frames", "20", "--jobs", "1")
 """Options of the harness: kernels come with the first frames."""
 
 
-ENGINES = ("--engine", "avatarsim", "mujoco", "pybullet", "tracker")
-"""Those whose adapters call kernels each in its own way; Rapier's targets are read as MuJoCo's."""
-
-
 def kept() -> set[str]:
     """Return files of compiled kernels."""
     return {f"{path.parent.parent.name}/{path.name}" for base in current().read for path in base.rglob(f"*{SUFFIX}")}
@@ -93,7 +89,7 @@ def commands(folder: Path) -> dict[str, Callable[[], int]]:
         "live": lambda: avatarsim(["live", "--scene", "gallery", *page]),
         "live as printed": lambda: avatarsim(["live", "--method", "paper", *page]),
         "replay": lambda: avatarsim(["replay", str(recording(folder))]),
-        "compare": lambda: scenarios(["compare", "--filter", "ball_drop,mocap_punch_wall", *ENGINES, *CUT_SHORT, "--out", out]),
+        "compare": lambda: scenarios(["compare", "--filter", "ball_drop,mocap_punch_wall", *CUT_SHORT, "--out", out]),
         "check": lambda: scenarios(["check", "--filter", "hand_over_table,mocap_getup_floor", *CUT_SHORT, "--out", out]),
     }
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.ik.bare_avatars import BareAvatars
-from avatarsim.ik.goals import DAMPING, approach, make_goal_scratch, make_goals, mobility
+from avatarsim.ik.goals import approach, make_goal_scratch, make_goals, mobility
 from avatarsim.model.skeleton import Posture, carry
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.tracker import TrackerSample
@@ -25,9 +25,6 @@ end farther from the nearest posture."""
 REACHED = 1e-9
 """[m] Distance from its goal within which a link has reached it."""
 
-NEAR = 1e-3
-"""[m] Distance from the goals within which the damping is FINE."""
-
 LEVER = 0.3
 """[m] Length equivalent of a turn of a radian. More: slower near goals; less: slower towards goals that are out of reach."""
 
@@ -36,9 +33,9 @@ STARTS = 12
 limit on the way to a goal that is in reach from elsewhere. Fewer: such goals are missed; more: those out of reach take
 longer."""
 
-FINE = 1e-9
-"""Damping near the goals. `ik.goals.DAMPING` there leaves micrometres where a limb is nearly stretched. More: some are left;
-less: rounding of a singular system comes into the posture."""
+DAMPING = 1e-9
+"""Least damping, as a share of the squared lever. More: goals of a nearly stretched limb are missed by micrometres; less: the
+rounding of a singular system enters the posture."""
 
 LONGEST = 0.5
 """[rad, levers] Longest step of any joint in a call. More: the arm comes out folded another way; less: more calls."""
@@ -85,8 +82,7 @@ class Limb:
         found, s = Posture(*(one.copy() for one in posture)), self._scratch
         for _ in range(CALLS):
             s.mobility[:] = self._mobility
-            left = np.abs(self._missing(found)).max(initial=0.0)
-            approach(self._skel, self._goals, LEVER, REACHED, ROUNDS, LONGEST, FINE if left < NEAR else DAMPING, found, s)
+            approach(self._skel, self._goals, LEVER, REACHED, ROUNDS, LONGEST, DAMPING, found, s)
             missing = self._missing(found)
             if not np.abs(missing).max(initial=0.0) > REACHED:
                 break
