@@ -10,7 +10,8 @@ import re
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields, replace
 from functools import partial
 from pathlib import Path
@@ -381,29 +382,37 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options.add_argument("--seed", type=int, default=0, metavar="N", help="of the motion (default 0)")
     options.add_argument("--rate", type=float, default=60.0, metavar="HZ", help="calls a second (default 60)")
     options.add_argument("--jobs", type=int, default=2, metavar="N", help="models side by side; 0: in this process (default 2)")
-    options.add_argument("--out", type=path_option, metavar="FILE.csv", help="file for the table")
+    options.add_argument("--out", type=path_option, metavar="FILE.csv", help="table, a row as soon as a model is done")
     options.add_argument("--markdown", action="store_true", help="print tables of packages and refusals, as in docs/files.md")
     args = options.parse_args(arguments)
     packages = {file: folder.name for folder in args.folders
                 for file in ([folder] if folder.is_file() else sorted(folder.rglob("*"))) if is_model(file)}
     task, rows = partial(drive, frames=args.frames, seed=args.seed, rate=args.rate), list[Driven]()
-    with Progress("robots", len(packages), sys.stderr) as progress:
+    with Progress("robots", len(packages), sys.stderr) as progress, table(args.out) as write:
         for file, row in side_by_side(task, list(packages), args.jobs, lambda file: False):
             if isinstance(row, Died):
                 row = Driven("", file.name, "refused", note=str(row))
             rows.append(replace(row, package=packages[file]))
+            write(rows[-1])
             progress.step(file.name)
     rows.sort(key=lambda row: (row.package, row.kind, row.model))
     robots = [row for row in rows if row.kind == "robot"]
     print(markdown(rows) if args.markdown else "\n".join(map(line, rows)))
     counted = f"{len(robots)} robots and {sum(row.kind == 'room' for row in rows)} rooms of {len(rows)} files"
     print(f"{counted}; {sum(row.overlap > SEEN for row in robots)} overlap by their own geoms", file=sys.stderr)
-    if args.out is not None:
-        with args.out.open("w", newline="", encoding="utf-8") as file:
-            table = csv.DictWriter(file, [field.name for field in fields(Driven)])
-            table.writeheader()
-            table.writerows(map(asdict, rows))
     return PASSED if all(row.is_kept for row in robots) else FAILED
+
+
+@contextmanager
+def table(out: Path | None) -> Iterator[Callable[[Driven], None]]:
+    """Open a table, and yield what writes a row of it as soon as it is known, or nothing without a file."""
+    if out is None:
+        yield lambda row: None
+        return
+    with out.open("w", buffering=1, newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, [field.name for field in fields(Driven)])
+        writer.writeheader()
+        yield lambda row: writer.writerow(asdict(row))
 
 
 def line(row: Driven) -> str:
