@@ -99,8 +99,8 @@ def require_within_limits(world: World, slack: float = 0.0) -> None:
                 if not low - slack <= angle <= high + slack:
                     what = "way of the slide of {} [m]" if skel.kind[i] == SLIDE else "angle of a hinge of {} [rad]"
                     raise InvalidScene("start " + what.format(link.name), float(angle), f"{low:g} to {high:g}")
-        elif skel.kind[i] == BALL and has_cone(skel, i):
-            excess = cone_excess(skel, i, columns(world.posture.turn, i))
+        elif skel.kind[i] == BALL and has_cone(skel.balls, i):
+            excess = cone_excess(skel.balls, i, columns(world.posture.turn, i))
             if not excess <= slack:
                 thing = f"start rotation of {link.name} beyond its swing and twist limits [rad]"
                 raise InvalidScene(thing, float(excess), "0 or less")

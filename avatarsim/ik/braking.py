@@ -248,12 +248,12 @@ def keeps_joints(skel: Skeleton, calls: int, steps: float, braking: Braking) -> 
                 return False
     for link in range(skel.kind.shape[0]):
         d = skel.first_dof[link]
-        if skel.kind[link] != BALL or not has_cone(skel, link) or length_of(x, d, d + 3) == 0.0:
+        if skel.kind[link] != BALL or not has_cone(skel.balls, link) or length_of(x, d, d + 3) == 0.0:
             continue
         turn = columns(b.shown.turn, link)
         for k in range(calls):
             far = 1.0 + k - k * (k + 1.0) / (2.0 * calls)
-            if cone_excess(skel, link, stepped(turn, (far * x[d], far * x[d + 1], far * x[d + 2]))) > ROUNDING:
+            if cone_excess(skel.balls, link, stepped(turn, (far * x[d], far * x[d + 1], far * x[d + 2]))) > ROUNDING:
                 return False
     return True
 

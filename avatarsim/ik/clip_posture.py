@@ -30,11 +30,11 @@ def clip_posture(world: Index, chord: Index, positions: Array, rotations: Array,
         if has_angles(skel, link):
             for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
                 c.end.angle[j] = min(max(c.start.angle[j], skel.limits[j, 0]), skel.limits[j, 1])
-        elif skel.kind[link] == BALL and has_cone(skel, link):
+        elif skel.kind[link] == BALL and has_cone(skel.balls, link):
             turn = columns(c.start.turn, link)
-            excess = cone_excess(skel, link, turn)
+            excess = cone_excess(skel.balls, link, turn)
             if excess > 0.0:
-                put_columns(c.end.turn, link, inside_cone(skel, link, turn))
+                put_columns(c.end.turn, link, inside_cone(skel.balls, link, turn))
                 turned = max(turned, excess)
     set_followers(skel, 0, c.step.shape[0], ROUNDING, c.end)
     for link in range(skel.kind.shape[0]):

@@ -26,6 +26,7 @@ from avatarsim.ik.state import (
     slot_of,
 )
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.ball_limits import BallLimits
 from avatarsim.model.geometry import Array, Geometry, Poses, allowed_depth
 from avatarsim.model.joint_limits import (
     FLAT,
@@ -34,13 +35,14 @@ from avatarsim.model.joint_limits import (
     has_cone,
     has_reach,
     limb_of,
+    most_swing,
     nearest_in_reach,
     surely_inside,
     swing_and_twist,
 )
 from avatarsim.model.skeleton import BALL, FREE, SLIDE, Posture, Skeleton
 from avatarsim.settings import PostureSettings
-from avatarsim.spatial.tangent import columns, stepped, turned, turned_back
+from avatarsim.spatial.tangent import columns, stepped, turned_back
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, neg, norm, put_row, row, scale, sub
 from avatarsim.tolerances import ROUNDING
 
@@ -261,10 +263,10 @@ def check_limits(
     """Count the balls of an avatar that the step takes beyond their limits; add a row per limit broken if rows are added."""
     beyond = 0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        if skel.kind[link] == BALL and has_cone(skel, link):
+        if skel.kind[link] == BALL and has_cone(skel.balls, link):
             d, x = skel.first_dof[link], scratch_out.step
             turn = stepped(columns(posture.turn, link), (x[d], x[d + 1], x[d + 2]))
-            if surely_inside(skel, link, turn, SURELY) or cone_excess(skel, link, turn) <= 0.0:
+            if surely_inside(skel.balls, link, turn, SURELY) or cone_excess(skel.balls, link, turn) <= 0.0:
                 continue
             beyond += 1
             if is_adding:
@@ -278,18 +280,17 @@ def add_limit_rows(
 ) -> None:
     """Add rows that turn the ball of a link, at rotation `turn` at the trial, back inside the limits that it breaks."""
     d = skel.first_dof[link]
-    swing, twist, back = swing_and_twist(skel, link, turn)
-    most = atan2(skel.cone[link, 7], skel.cone[link, 6])
+    swing, twist, back = swing_and_twist(skel.balls, link, turn)
+    most = most_swing(skel.balls, link)
     beyond = swing - most
-    if has_reach(skel, link):
-        beyond, back = way_back(skel, link, limb_of(skel, link, turn), most)
+    if has_reach(skel.balls, link):
+        beyond, back = way_back(skel.balls, link, limb_of(skel.balls, link, turn), most)
     if beyond > 0.0:
         add_turn_row(avatar, d, turned_back(turn, back), beyond + INSIDE, scratch_out)
-    low, high = skel.cone[link, 8], skel.cone[link, 9]
+    low, high = skel.balls.twist[link, 0], skel.balls.twist[link, 1]
     if twist < low or twist > high:
         # rate of twist of a swung limb: the turn's part along the middle of limb and centre
-        centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
-        limb = turned(turn, (skel.cone[link, 0], skel.cone[link, 1], skel.cone[link, 2]))
+        centre, limb = row(skel.balls.centre, link), limb_of(skel.balls, link, turn)
         rate = turned_back(turn, scale(add(centre, limb), 1.0 / max(FLAT, 1.0 + dot(centre, limb))))
         if twist < low:
             add_turn_row(avatar, d, rate, low - twist + INSIDE, scratch_out)
@@ -298,9 +299,9 @@ def add_limit_rows(
 
 
 @kernel
-def way_back(skel: Skeleton, link: int, limb: Vec3, most: float) -> tuple[float, Vec3]:
+def way_back(balls: BallLimits, link: int, limb: Vec3, most: float) -> tuple[float, Vec3]:
     """Return the angle [rad] and unit axis (parent's axes) of the shortest turn of a limb into its polygon and swing cone."""
-    allowed = nearest_in_reach(skel, link, limb, most)
+    allowed = nearest_in_reach(balls, link, limb, most)
     axis = cross(limb, allowed)
     sine = norm(axis)
     if sine < ROUNDING:

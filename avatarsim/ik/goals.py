@@ -264,9 +264,9 @@ def take_within_limits(skel: Skeleton, lever: float, posture_out: Posture, scrat
 @kernel
 def allowed(skel: Skeleton, link: int, turn: Columns) -> Columns:
     """Return the turn of a ball, or the nearest one within its limits."""
-    if not has_cone(skel, link) or surely_inside(skel, link, turn, LEFT_ALONE):
+    if not has_cone(skel.balls, link) or surely_inside(skel.balls, link, turn, LEFT_ALONE):
         return turn
-    return inside_cone(skel, link, turn)
+    return inside_cone(skel.balls, link, turn)
 
 
 @kernel

@@ -32,8 +32,8 @@ def clip_avatar(
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         kind, turn = skel.kind[link], columns(tracker.turn, link)
         put_row(target_out.root, link, row(tracker.root, link))
-        if kind == BALL and has_cone(skel, link) and not surely_inside(skel, link, turn, LEFT_ALONE):
-            clipped = inside_cone(skel, link, turn)
+        if kind == BALL and has_cone(skel.balls, link) and not surely_inside(skel.balls, link, turn, LEFT_ALONE):
+            clipped = inside_cone(skel.balls, link, turn)
             if clipped != turn:
                 tracking_out.is_legal[avatar] = 0
             turn = clipped

@@ -12,40 +12,40 @@ that sees every edge. A circular swing cone applies as well; the projection is i
 from math import atan2, cos, inf, sin, sqrt
 
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.skeleton import Skeleton
+from avatarsim.model.ball_limits import BallLimits
 from avatarsim.spatial.tangent import Columns, about, columns, product, turned
 from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, perpendicular, row, scale, sub, unit
 from avatarsim.tolerances import FINE, NOTHING, PROOF, ROUNDING
 
 
 @kernel
-def has_reach(skel: Skeleton, link: int) -> bool:
+def has_reach(balls: BallLimits, link: int) -> bool:
     """Return True if the limb of a link has a spherical polygon."""
-    return bool(skel.reach_first[link + 1] > skel.reach_first[link])
+    return bool(balls.first_corner[link + 1] > balls.first_corner[link])
 
 
 @kernel
-def edge(skel: Skeleton, link: int, k: int) -> tuple[Vec3, Vec3, Vec3]:
+def edge(balls: BallLimits, link: int, k: int) -> tuple[Vec3, Vec3, Vec3]:
     """Return the corner k of a link's polygon, the next one, and the unit normal of the edge's plane, which points inside."""
-    first, last = skel.reach_first[link], skel.reach_first[link + 1]
-    start = row(skel.reach_corner, first + k)
-    end = row(skel.reach_corner, first + k + 1 if first + k + 1 < last else first)
+    first, last = balls.first_corner[link], balls.first_corner[link + 1]
+    start = row(balls.corner, first + k)
+    end = row(balls.corner, first + k + 1 if first + k + 1 < last else first)
     normal = cross(start, end)
     return start, end, scale(normal, 1.0 / norm(normal))
 
 
 @kernel
-def is_in_reach(skel: Skeleton, link: int, limb: Vec3) -> bool:
+def is_in_reach(balls: BallLimits, link: int, limb: Vec3) -> bool:
     """Return True if a unit direction is in one of the triangles of the seeing point and an edge."""
-    first, last = skel.reach_first[link], skel.reach_first[link + 1]
-    beside = dot(row(skel.reach_side, first), limb)
+    first, last = balls.first_corner[link], balls.first_corner[link + 1]
+    beside = dot(row(balls.side, first), limb)
     for k in range(first, last):
         following = k + 1 if k + 1 < last else first
         # the side where one triangle ends is where the next one begins
-        next_beside = dot(row(skel.reach_side, following), limb)
+        next_beside = dot(row(balls.side, following), limb)
         # a direction so little outside an edge counts as on it: projected ones are, by rounding
         if beside >= -ROUNDING and next_beside <= ROUNDING:
-            normal = cross(row(skel.reach_corner, k), row(skel.reach_corner, following))
+            normal = cross(row(balls.corner, k), row(balls.corner, following))
             if dot(scale(normal, 1.0 / norm(normal)), limb) >= -ROUNDING:
                 return True
         beside = next_beside
@@ -78,42 +78,48 @@ def nearest_on_edge(start: Vec3, end: Vec3, inward: Vec3, limb: Vec3) -> Vec3:
 
 
 @kernel
-def reach_excess(skel: Skeleton, link: int, limb: Vec3) -> float:
+def reach_excess(balls: BallLimits, link: int, limb: Vec3) -> float:
     """Return the angle [rad] by which a unit direction is outside the polygon; 0 inside."""
-    if is_in_reach(skel, link, limb):
+    if is_in_reach(balls, link, limb):
         return 0.0
     nearest = 10.0
-    for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
-        start, end, inward = edge(skel, link, k)
+    for k in range(balls.first_corner[link + 1] - balls.first_corner[link]):
+        start, end, inward = edge(balls, link, k)
         nearest = min(nearest, angle_between(nearest_on_edge(start, end, inward, limb), limb))
     return nearest
 
 
 @kernel
-def swing_of(skel: Skeleton, link: int, limb: Vec3) -> float:
-    """Return the angle [rad] of a unit direction to the centre of the circular swing cone."""
-    return angle_between((skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5]), limb)
+def most_swing(balls: BallLimits, link: int) -> float:
+    """Return the largest swing [rad] of a ball."""
+    return atan2(balls.swing_sine[link], balls.swing_cosine[link])
 
 
 @kernel
-def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3:
+def swing_of(balls: BallLimits, link: int, limb: Vec3) -> float:
+    """Return the angle [rad] of a unit direction to the centre of the circular swing cone."""
+    return angle_between(row(balls.centre, link), limb)
+
+
+@kernel
+def nearest_in_reach(balls: BallLimits, link: int, limb: Vec3, most: float) -> Vec3:
     """Return the direction nearest to a limb's that is in the polygon and swings at most `most` [rad] from the cone's centre.
 
     The edge of the allowed region consists of arcs of the polygon and of the cone's circle. So the nearest point is the nearest
     of an arc of one, if the other allows it, or a point where the two cross; the point that sees all edges is always allowed.
     """
-    if is_in_reach(skel, link, limb) and swing_of(skel, link, limb) <= most:
+    if is_in_reach(balls, link, limb) and swing_of(balls, link, limb) <= most:
         return limb
-    centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
-    best = row(skel.sight, link)
+    centre = row(balls.centre, link)
+    best = row(balls.sight, link)
     least = chord(best, limb)
     candidate = nearest_on_circle(centre, most, limb)
-    if chord(candidate, limb) < least and is_in_reach(skel, link, candidate):
+    if chord(candidate, limb) < least and is_in_reach(balls, link, candidate):
         best, least = candidate, chord(candidate, limb)
-    for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
-        if is_plane_beyond(skel, link, k, limb, least):
+    for k in range(balls.first_corner[link + 1] - balls.first_corner[link]):
+        if is_plane_beyond(balls, link, k, limb, least):
             continue
-        start, end, inward = edge(skel, link, k)
+        start, end, inward = edge(balls, link, k)
         # where that of an edge which is nearest is too far, or allowed, the rest of the edge has nothing to add;
         # its end is the start of another
         for which in range(4):
@@ -128,7 +134,7 @@ def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3
                 if not crosses:
                     continue
             away = chord(candidate, limb)
-            if away < least and swing_of(skel, link, candidate) <= most + ROUNDING:
+            if away < least and swing_of(balls, link, candidate) <= most + ROUNDING:
                 best, least = candidate, away
                 if which == 0:
                     break
@@ -136,10 +142,10 @@ def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3
 
 
 @kernel
-def is_plane_beyond(skel: Skeleton, link: int, k: int, limb: Vec3, square: float) -> bool:
+def is_plane_beyond(balls: BallLimits, link: int, k: int, limb: Vec3, square: float) -> bool:
     """Return True if a limb's direction is farther from an edge's plane than the root of `square`, without computing it."""
-    first, last = skel.reach_first[link], skel.reach_first[link + 1]
-    normal = cross(row(skel.reach_corner, first + k), row(skel.reach_corner, first + k + 1 if first + k + 1 < last else first))
+    first, last = balls.first_corner[link], balls.first_corner[link + 1]
+    normal = cross(row(balls.corner, first + k), row(balls.corner, first + k + 1 if first + k + 1 < last else first))
     away = dot(normal, limb)
     return away * away > square * dot(normal, normal)
 
@@ -176,9 +182,6 @@ def acos_of(cosine: float) -> float:
     return atan2(sqrt(max(0.0, (1.0 - cosine) * (1.0 + cosine))), cosine)
 
 
-UNLIMITED_COSINE = -2.0
-"""Marks a ball without limits in Skeleton.cone: no cosine is below -1."""
-
 SURELY = PROOF
 """[rad] a ball so far inside its limits is inside whatever the rounding; smaller: rounding could pass one that is outside. Within
 this of a half turn from an end the sine is not conclusive; then the angles are computed."""
@@ -195,10 +198,10 @@ FLAT = 1e-3
 
 
 @kernel
-def swing_and_twist(skel: Skeleton, link: int, turn: Columns) -> tuple[float, float, Vec3]:
+def swing_and_twist(balls: BallLimits, link: int, turn: Columns) -> tuple[float, float, Vec3]:
     """Return the swing [rad], twist [rad] and the unit axis about which the limb swings back to the centre (parent's axes)."""
-    axis = (skel.cone[link, 0], skel.cone[link, 1], skel.cone[link, 2])
-    centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
+    axis = row(balls.axis, link)
+    centre = row(balls.centre, link)
     limb = turned(turn, axis)
     back = cross(limb, centre)
     sine = norm(back)
@@ -210,7 +213,7 @@ def swing_and_twist(skel: Skeleton, link: int, turn: Columns) -> tuple[float, fl
         if swing < 1.0:
             swing = 0.0
     # swing the limb back onto the centre; the rest turns about the centre
-    relative = product(turn, columns(skel.untwist, link))
+    relative = product(turn, columns(balls.untwist, link))
     probe = any_normal(centre)
     left = about(back, swing, turned(relative, probe))
     return swing, atan2(dot(centre, cross(probe, left)), dot(probe, left)), back
@@ -225,31 +228,31 @@ def any_normal(v: Vec3) -> Vec3:
 
 
 @kernel
-def has_cone(skel: Skeleton, link: int) -> bool:
+def has_cone(balls: BallLimits, link: int) -> bool:
     """Return True if the ball of a link has limits."""
-    return bool(skel.cone[link, 6] > UNLIMITED_COSINE + 0.5)
+    return bool(balls.is_limited[link])
 
 
 @kernel
-def cone_excess(skel: Skeleton, link: int, turn: Columns) -> float:
+def cone_excess(balls: BallLimits, link: int, turn: Columns) -> float:
     """Return how far the rotation of a ball is beyond its limits [rad], the most of swing, twist and reach; 0 or less inside."""
-    swing, twist, _ = swing_and_twist(skel, link, turn)
-    most = atan2(skel.cone[link, 7], skel.cone[link, 6])
-    excess = float(max(swing - most, max(skel.cone[link, 8] - twist, twist - skel.cone[link, 9])))
-    return max(excess, reach_excess(skel, link, limb_of(skel, link, turn))) if has_reach(skel, link) else excess
+    swing, twist, _ = swing_and_twist(balls, link, turn)
+    most = most_swing(balls, link)
+    excess = float(max(swing - most, max(balls.twist[link, 0] - twist, twist - balls.twist[link, 1])))
+    return max(excess, reach_excess(balls, link, limb_of(balls, link, turn))) if has_reach(balls, link) else excess
 
 
 @kernel
-def surely_inside(skel: Skeleton, link: int, turn: Columns, spare: float) -> bool:
+def surely_inside(balls: BallLimits, link: int, turn: Columns, spare: float) -> bool:
     """Return True if the rotation of a ball is inside its limits by more than `spare` [rad], at least SURELY: a test without
     angles, which nearly every ball of every trial passes. Where it fails `cone_excess` decides."""
-    limb, t = limb_of(skel, link, turn), skel.cone
-    centre, edge = (t[link, 3], t[link, 4], t[link, 5]), (t[link, 6], t[link, 7])
-    probe, untwisted = (t[link, 10], t[link, 11], t[link, 12]), (t[link, 13], t[link, 14], t[link, 15])
-    low, high = (t[link, 16], t[link, 17]), (t[link, 18], t[link, 19])
-    if not surely_in_cone(limb, centre, edge, probe, turned(turn, untwisted), low, high, spare):
+    limb, b = limb_of(balls, link, turn), balls
+    edge = b.swing_cosine[link], b.swing_sine[link]
+    low, high = (b.twist_low[link, 0], b.twist_low[link, 1]), (b.twist_high[link, 0], b.twist_high[link, 1])
+    swung = turned(turn, row(b.untwisted, link))
+    if not surely_in_cone(limb, row(b.centre, link), edge, row(b.probe, link), swung, low, high, spare):
         return False
-    return not has_reach(skel, link) or is_in_reach(skel, link, limb)
+    return not has_reach(balls, link) or is_in_reach(balls, link, limb)
 
 
 @kernel
@@ -260,7 +263,7 @@ def surely_in_cone(
     """Return True if swing and twist alone are surely inside. `edge`: cosine and sine of the largest swing; the twist takes
     `probe` to `swung` with the swing undone; low, high: cosines and sines of its ends.
 
-    Takes numbers and not the skeleton, since passing that takes longer than the test.
+    Takes numbers and not the limits, since passing that takes longer than the test.
     """
     back, cosine = cross(limb, centre), dot(limb, centre)
     sine = norm(back)
@@ -279,18 +282,18 @@ def surely_in_cone(
 
 
 @kernel
-def limb_of(skel: Skeleton, link: int, turn: Columns) -> Vec3:
+def limb_of(balls: BallLimits, link: int, turn: Columns) -> Vec3:
     """Return the direction of the limb of a ball, in the parent's axes."""
-    return turned(turn, (skel.cone[link, 0], skel.cone[link, 1], skel.cone[link, 2]))
+    return turned(turn, row(balls.axis, link))
 
 
 @kernel
-def inside_cone(skel: Skeleton, link: int, turn: Columns) -> Columns:
+def inside_cone(balls: BallLimits, link: int, turn: Columns) -> Columns:
     """Return the rotation if the ball allows it, else the limb on the nearest edge of cone and polygon and the twist clipped."""
-    swing, twist, back = swing_and_twist(skel, link, turn)
-    centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
-    most = max(0.0, atan2(skel.cone[link, 7], skel.cone[link, 6]) - INWARD)
-    low, high = skel.cone[link, 8] + INWARD, skel.cone[link, 9] - INWARD
+    swing, twist, back = swing_and_twist(balls, link, turn)
+    centre = row(balls.centre, link)
+    most = max(0.0, most_swing(balls, link) - INWARD)
+    low, high = balls.twist[link, 0] + INWARD, balls.twist[link, 1] - INWARD
     if low > high:
         low = high = 0.5 * (low + high)
     # an angle outside the interval goes to the nearer end, measured around the circle
@@ -299,17 +302,17 @@ def inside_cone(skel: Skeleton, link: int, turn: Columns) -> Columns:
         to_low, to_high = abs(wrapped(twist - low)), abs(wrapped(twist - high))
         clipped = low if to_low < to_high else high
     inside = swing <= most
-    limb = limb_of(skel, link, turn)
+    limb = limb_of(balls, link, turn)
     allowed = limb
-    if has_reach(skel, link):
-        inside = inside and is_in_reach(skel, link, limb)
+    if has_reach(balls, link):
+        inside = inside and is_in_reach(balls, link, limb)
         if not inside:
-            allowed = nearest_in_reach(skel, link, limb, most)
+            allowed = nearest_in_reach(balls, link, limb, most)
     if inside and clipped == twist:
         return turn
     # unswing, correct the twist, swing out again as far as allowed
     out, again = min(swing, most), back
-    if not inside and has_reach(skel, link):
+    if not inside and has_reach(balls, link):
         again = cross(allowed, centre)
         sine = norm(again)
         out = atan2(sine, dot(allowed, centre))
@@ -321,26 +324,26 @@ def inside_cone(skel: Skeleton, link: int, turn: Columns) -> Columns:
 
 
 @kernel
-def room_of_ball(skel: Skeleton, link: int, turn: Columns) -> tuple[float, Vec3, float, Vec3]:
+def room_of_ball(balls: BallLimits, link: int, turn: Columns) -> tuple[float, Vec3, float, Vec3]:
     """Linearise the limits of the limb of a ball at a rotation: the nearest edge of cone and polygon, and the nearest across it.
 
     Returns:
         Room [rad] to the nearest edge, 0 beyond it, and the unit axis (parent's axes) about which a turn leads away from it; the
         same of the second, inf and zero where there is none.
     """
-    swing, _, away = swing_and_twist(skel, link, turn)
-    limb = limb_of(skel, link, turn)
-    most = atan2(skel.cone[link, 7], skel.cone[link, 6])
+    swing, _, away = swing_and_twist(balls, link, turn)
+    limb = limb_of(balls, link, turn)
+    most = most_swing(balls, link)
     room, second, other = most - swing, inf, (0.0, 0.0, 0.0)
-    if not has_reach(skel, link):
+    if not has_reach(balls, link):
         return max(0.0, room - INWARD), away, second, other
-    if room <= 0.0 or not is_in_reach(skel, link, limb):
-        allowed = nearest_in_reach(skel, link, limb, most)
+    if room <= 0.0 or not is_in_reach(balls, link, limb):
+        allowed = nearest_in_reach(balls, link, limb, most)
         back = cross(limb, allowed)
         if norm(back) > ROUNDING:
             room, away, limb = 0.0, direction_of(back, away), allowed
-    for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
-        start, end, inward = edge(skel, link, k)
+    for k in range(balls.first_corner[link + 1] - balls.first_corner[link]):
+        start, end, inward = edge(balls, link, k)
         nearest = nearest_on_edge(start, end, inward, limb)
         beyond, axis = angle_between(nearest, limb), direction_of(cross(nearest, limb), cross(limb, inward))
         is_across = norm(cross(axis, away)) > FINE
@@ -355,12 +358,12 @@ def room_of_ball(skel: Skeleton, link: int, turn: Columns) -> tuple[float, Vec3,
 
 
 @kernel
-def room_of_twist(skel: Skeleton, link: int, turn: Columns) -> tuple[float, float, Vec3]:
+def room_of_twist(balls: BallLimits, link: int, turn: Columns) -> tuple[float, float, Vec3]:
     """Return the least and largest change of a ball's twist [rad] at a rotation, and its gradient (parent's axes)."""
-    _, twist, _ = swing_and_twist(skel, link, turn)
-    limb, centre = limb_of(skel, link, turn), (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
+    _, twist, _ = swing_and_twist(balls, link, turn)
+    limb, centre = limb_of(balls, link, turn), row(balls.centre, link)
     gradient = scale(add(centre, limb), 1.0 / max(FLAT, 1.0 + dot(centre, limb)))
-    low, high = min(0.0, skel.cone[link, 8] + INWARD - twist), max(0.0, skel.cone[link, 9] - INWARD - twist)
+    low, high = min(0.0, balls.twist[link, 0] + INWARD - twist), max(0.0, balls.twist[link, 1] - INWARD - twist)
     return low, high, gradient
 
 

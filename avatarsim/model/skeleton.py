@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import FlagGrid, Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
+from avatarsim.model.ball_limits import BallLimits, ball_limits
 from avatarsim.model.geometry import Geometry, Poses, place
-from avatarsim.scene.joint import PI, WIDEST_SWING, Ball, Free, ReachCone, Rigid, Slide, SwingTwist, axes_of
+from avatarsim.scene.joint import Free, Rigid, Slide, axes_of
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from avatarsim.spatial.tangent import about, columns, product, put_columns, stepped, straightened, turned
@@ -41,15 +42,7 @@ class Skeleton(NamedTuple):
     rest       (nl, 3, 3) link frame in the parent's at zero
     axis       (nd, 3) axes of hinges and slides in the link frame
     limits     (nd, 2) limits of hinges [rad] and slides [m]
-    cone       (nl, 20) of a ball with limits: axis 0:3 in the link's frame, centre 3:6 in that at zero, cosine and sine of the
-               swing 6:8, twist low and high 8:10 [rad]; a cosine of -2 means no limits; derived from these: a unit vector at
-               right angles to the centre 10:13, the same through `untwist` 13:16, cosine and sine of the twist low 16:18 and
-               high 18:20, zeros where these are beyond half a turn
-    untwist    (nl, 3, 3) inverse of the shortest turn that takes axis onto centre in the parent's frame, after `rest`
-    reach_first (nl + 1) corners of the spherical polygon of link i are reach_first[i] .. reach_first[i + 1]; none: no polygon
-    reach_corner (nc, 3) unit corners in the link's frame at zero, counter-clockwise seen from outside
-    reach_side (nc, 3) normals of the planes through `sight` and a corner, which bound the triangle of an edge with it
-    sight      (nl, 3) a unit direction inside the polygon that sees every edge of it
+    balls      limits of ball joints
     follow     (nf, 2) degrees that follow others: the follower, its leader
     ratio      (nf, 2) ratio and offset [rad, m] of each: follower = ratio leader + offset
     related    (nl, nl) True at [i, m] where link m is i or one of its ancestors: degrees of m move i
@@ -63,12 +56,7 @@ class Skeleton(NamedTuple):
     rest: Matrices
     axis: Vectors
     limits: Grid
-    cone: Grid
-    untwist: Matrices
-    reach_first: IndexLine
-    reach_corner: Vectors
-    reach_side: Vectors
-    sight: Vectors
+    balls: BallLimits
     related: FlagGrid
     follow: IndexGrid
     ratio: Grid
@@ -90,11 +78,6 @@ def skeleton(scene: Scene) -> Skeleton:
     kind, parent, first_dof = np.zeros(nl, dtype=np.int64), np.full(nl, -1, dtype=np.int64), [0]
     axis: list[tuple[float, float, float]] = []
     limits: list[tuple[float, float]] = []
-    cone, untwist = np.zeros((nl, 20)), np.tile(np.eye(3), (nl, 1, 1))
-    cone[:, 6] = -2.0
-    corners: list[list[float]] = []
-    sides: list[list[float]] = []
-    reach_first, sight = [0], np.zeros((nl, 3))
     at: dict[tuple[str, str], int] = {}
     owned = [(avatar, link) for avatar in scene.avatars for link in avatar.links]
     for i, (avatar, link) in enumerate(owned):
@@ -112,22 +95,7 @@ def skeleton(scene: Scene) -> Skeleton:
             free = 6 if isinstance(joint, Free) else 3
             axis += [(0.0, 0.0, 0.0)] * free
             limits += [(-UNLIMITED, UNLIMITED)] * free
-            if isinstance(joint, Ball):
-                # limits are stated in the parent's frame; the kernels see the turn from the link's frame at zero
-                rest = rotation.to_matrix(link.orientation)
-                polygon = joint.cone if scene.effects.reach_cones else None
-                swing = joint.limits if scene.effects.limits else None
-                if polygon is not None:
-                    sight[i] = polygon.visible_point @ rest
-                    corners += (polygon.vertices @ rest).tolist()
-                    sides += np.cross(sight[i], polygon.vertices @ rest).tolist()
-                    swing = swing or wide_open(joint, polygon, rest)
-                if swing is not None:
-                    cone[i, :10] = [*swing.axis, *(swing.centre @ rest), np.cos(swing.swing), np.sin(swing.swing), *swing.twist]
-                    untwist[i] = rotation.to_matrix(rotation.between(swing.axis, swing.centre)).T @ rest
-                    cone[i, 10:] = twist_told(cone[i, 3:6], untwist[i], *swing.twist)
         first_dof.append(len(axis))
-        reach_first.append(len(corners))
     related = np.eye(nl, dtype=np.bool_)
     for i in range(nl):
         if parent[i] >= 0:
@@ -137,8 +105,7 @@ def skeleton(scene: Scene) -> Skeleton:
         np.array([link.anchor for link in links], dtype=np.float64).reshape(nl, 3),
         np.array([rotation.to_matrix(link.orientation) for link in links], dtype=np.float64).reshape(nl, 3, 3),
         np.array(axis, dtype=np.float64).reshape(-1, 3), np.array(limits, dtype=np.float64).reshape(-1, 2),
-        cone, untwist, np.array(reach_first, dtype=np.int64), np.array(corners, dtype=np.float64).reshape(-1, 3),
-        np.array(sides, dtype=np.float64).reshape(-1, 3), sight, related, *couplings(scene, kind, first_dof),
+        ball_limits(scene), related, *couplings(scene, kind, first_dof),
     )
 
 
@@ -152,26 +119,6 @@ def couplings(scene: Scene, kind: Index, first_dof: list[int]) -> tuple[Index, A
         ratio += [(one.ratio, one.offset) for one in avatar.couplings]
         first += avatar.hinge_count
     return np.array(follow, dtype=np.int64).reshape(-1, 2), np.array(ratio, dtype=np.float64).reshape(-1, 2)
-
-
-def twist_told(centre: Array, untwist: Array, low: float, high: float) -> list[float]:
-    """Return precomputed vectors for the test of a twist against two angles [rad] without its angle: `Skeleton.cone` 10:20."""
-    aside = np.cross(centre, np.eye(3)[np.argmin(np.abs(centre))])
-    aside /= np.linalg.norm(aside)
-    ends = (np.cos(low), np.sin(low), np.cos(high), np.sin(high)) if -PI <= low <= high <= PI else (0.0,) * 4
-    return [*aside, *(untwist @ aside), *ends]
-
-
-def wide_open(joint: Ball, polygon: ReachCone, rest: Array) -> SwingTwist:
-    """Return swing and twist without limits around a polygon: its limb is that of the joint's own limits, if it has any, else
-    the axis that points to the polygon's visible point at zero, with the link's frame ``rest`` (3, 3) in the parent's."""
-    if joint.limits is not None:
-        axis, centre = joint.limits.axis, joint.limits.centre
-    else:
-        centre = polygon.visible_point
-        x, y, z = centre @ rest
-        axis = (float(x), float(y), float(z))
-    return SwingTwist(axis, centre, WIDEST_SWING, (-PI, PI))
 
 
 def hinge_dofs(skel: Skeleton) -> Index:

@@ -49,13 +49,13 @@ def attract(skel: Skeleton, target: Posture, share: float, posture_out: Posture)
         if kind == FREE:
             put_row(posture_out.root, link, row(target.root, link))
         if kind == FREE or kind == BALL:
-            limited = kind == BALL and has_cone(skel, link)
+            limited = kind == BALL and has_cone(skel.balls, link)
             before, wanted = columns(posture_out.turn, link), columns(target.turn, link)
             if limited:
-                wanted = inside_cone(skel, link, wanted)
+                wanted = inside_cone(skel.balls, link, wanted)
             turn = straightened(stepped(before, scale(step_between(before, wanted), share)))
             # a great circle between two rotations inside a swing cone may leave it
-            put_columns(posture_out.turn, link, inside_cone(skel, link, turn) if limited else turn)
+            put_columns(posture_out.turn, link, inside_cone(skel.balls, link, turn) if limited else turn)
 
 
 Index = NDArray[np.int64]

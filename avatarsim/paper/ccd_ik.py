@@ -178,8 +178,8 @@ def turn_ball(
         frame = (about(axis, angle, frame[0]), about(axis, angle, frame[1]), about(axis, angle, frame[2]))
         turn = stepped(turn, (angle if k == 0 else 0.0, angle if k == 1 else 0.0, angle if k == 2 else 0.0))
     turn = straightened(turn)
-    if has_cone(skel, link):
-        turn = inside_cone(skel, link, turn)
+    if has_cone(skel.balls, link):
+        turn = inside_cone(skel.balls, link, turn)
     put_columns(posture_out.turn, link, turn)
     # into the axes of the joint at rest, and from there into the world
     effector = add(origin, turned(rest_frame, turned_back(before, turned(turn, held))))
@@ -288,7 +288,7 @@ def bend(
                 posture_out.angle[j] = min(max(before + side, low), high)
         elif skel.kind[link] == BALL:
             turn = straightened(stepped(columns(posture_out.turn, link), (angle, angle, angle)))
-            put_columns(posture_out.turn, link, inside_cone(skel, link, turn) if has_cone(skel, link) else turn)
+            put_columns(posture_out.turn, link, inside_cone(skel.balls, link, turn) if has_cone(skel.balls, link) else turn)
     for again in range(2):
         for k in range(first, last + 1):
             pose_link(skel, posture_out, links[k], poses_out, axes_out)
@@ -364,7 +364,7 @@ def keep_heading(skel: Skeleton, link: int, heading: Columns, posture_out: Postu
     now, turn = columns(poses_out.rotation, skel.first + link), columns(posture_out.turn, link)
     there = (turned_back(now, heading[0]), turned_back(now, heading[1]), turned_back(now, heading[2]))
     turn = straightened(product(turn, there))
-    put_columns(posture_out.turn, link, inside_cone(skel, link, turn) if has_cone(skel, link) else turn)
+    put_columns(posture_out.turn, link, inside_cone(skel.balls, link, turn) if has_cone(skel.balls, link) else turn)
     pose_link(skel, posture_out, link, poses_out, axes_out)
 
 

@@ -69,8 +69,8 @@ def into_limits(skel: Skeleton, posture_out: Posture) -> None:
         if skel.kind[link] == HINGES:
             for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
                 posture_out.angle[j] = min(max(posture_out.angle[j], skel.limits[j, 0]), skel.limits[j, 1])
-        elif skel.kind[link] == BALL and has_cone(skel, link):
-            put_columns(posture_out.turn, link, inside_cone(skel, link, columns(posture_out.turn, link)))
+        elif skel.kind[link] == BALL and has_cone(skel.balls, link):
+            put_columns(posture_out.turn, link, inside_cone(skel.balls, link, columns(posture_out.turn, link)))
 
 
 CHAINS_HIT: Final = 0

@@ -112,11 +112,11 @@ def bound_degrees(linkage: Linkage, first: int, end: int, h: float) -> None:
                 angle = linkage.joints.angle[j]
                 bounds[j, 0] = min(0.0, skel.limits[j, 0] - angle) / h
                 bounds[j, 1] = max(0.0, skel.limits[j, 1] - angle) / h
-        if skel.kind[link] != BALL or not has_cone(skel, link):
+        if skel.kind[link] != BALL or not has_cone(skel.balls, link):
             continue
         turn = columns(linkage.joints.turn, link)
-        room, inward, second, across = room_of_ball(skel, link, turn)
-        low, high, along_twist = room_of_twist(skel, link, turn)
+        room, inward, second, across = room_of_ball(skel.balls, link, turn)
+        low, high, along_twist = room_of_twist(skel.balls, link, turn)
         bounds[d, 0], bounds[d + 1, 0], bounds[d + 1, 1], bounds[d + 2, 0] = -room / h, low / h, high / h, -second / h
         if second == inf:
             across = cross(inward, along_twist)
@@ -416,10 +416,10 @@ def turn_ball(linkage: Linkage, poses: Poses, link: int, d: int) -> None:
     for i in range(3):
         whole = along(whole, linkage.step[d + i], row(linkage.axes, d + i))
     step = turned_back(columns(poses.rotation, skel.first + link), whole)
-    if has_cone(skel, link):
+    if has_cone(skel.balls, link):
         end = stepped(turn, step)
-        if not surely_inside(skel, link, end, LEFT_ALONE):
-            step = step_between(turn, inside_cone(skel, link, end))
+        if not surely_inside(skel.balls, link, end, LEFT_ALONE):
+            step = step_between(turn, inside_cone(skel.balls, link, end))
     for i in range(3):
         linkage.step[d + i] = step[i]
 

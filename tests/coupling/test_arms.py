@@ -43,8 +43,8 @@ class Judge:
         world, skel = self.world, self.world.skeleton
         self.gap = min(self.gap, least_gap(world.poses.vertices, world.geometry.shapes, self.pairs, self.scratch))
         for link in range(len(skel.kind)):
-            if skel.kind[link] == BALL and has_cone(skel, link):
-                self.excess = max(self.excess, cone_excess(skel, link, columns(world.posture.turn, link)))
+            if skel.kind[link] == BALL and has_cone(skel.balls, link):
+                self.excess = max(self.excess, cone_excess(skel.balls, link, columns(world.posture.turn, link)))
 
 
 def drawn_lift(seed: int) -> Lift:

@@ -239,13 +239,13 @@ def test_ball_joints_linearise_their_limits() -> None:
     for _ in range(400):
         link = int(random.choice(balls))
         turn = columns(Rotation.from_rotvec(random.normal(scale=0.4, size=3)).as_matrix()[None], 0)
-        room, inward, second, across = room_of_ball(skel, link, turn)
-        if room < 1e-3 or cone_excess(skel, link, turn) > 0.0:
+        room, inward, second, across = room_of_ball(skel.balls, link, turn)
+        if room < 1e-3 or cone_excess(skel.balls, link, turn) > 0.0:
             continue
         assert room <= second
         step = 1e-5 * random.normal(size=3)
         turned = columns((Rotation.from_rotvec(step).as_matrix() @ np.array(turn).T)[None], 0)
-        after, twists = room_of_ball(skel, link, turned), [room_of_twist(skel, link, one) for one in (turn, turned)]
+        after, twists = room_of_ball(skel.balls, link, turned), [room_of_twist(skel.balls, link, one) for one in (turn, turned)]
         assert twists[1][1] - twists[0][1] == pytest.approx(-step @ twists[0][2], abs=1e-7)
         expected = room + step @ inward, second + step @ across
         if abs(after[0] - expected[0]) < 1e-7 and abs(after[2] - expected[1]) < 1e-7:
@@ -261,20 +261,20 @@ def test_a_ball_at_its_limit_turns_where_linearised_it_may() -> None:
     but for corners where three limits meet, of which two are linearised."""
     world = build(Scene("ball", (), (humanoid(),)))
     skel, random, corners = world.skeleton, np.random.default_rng(8), 0
-    balls = [link for link in range(len(skel.kind)) if skel.kind[link] == BALL and has_cone(skel, link)]
+    balls = [link for link in range(len(skel.kind)) if skel.kind[link] == BALL and has_cone(skel.balls, link)]
     for _ in range(500):
         link = int(random.choice(balls))
         outside = columns(Rotation.random(random_state=random).as_matrix()[None], 0)
-        turn = inside_cone(skel, link, outside)
+        turn = inside_cone(skel.balls, link, outside)
         if turn == outside:
             continue
-        room, inward, second, across = room_of_ball(skel, link, turn)
-        least, most, gradient = room_of_twist(skel, link, turn)
+        room, inward, second, across = room_of_ball(skel.balls, link, turn)
+        least, most, gradient = room_of_twist(skel.balls, link, turn)
         assert min(room, -least, most) == pytest.approx(0.0, abs=1e-8)
         limits = [(inward, -room), (across, -min(second, 1.0)), (gradient, least), (np.negative(gradient), -most)]
         step = 1e-5 * random.normal(size=3)
         for normal, bound in 100 * limits:
             step += max(0.0, bound - np.dot(normal, step)) * np.array(normal) / max(1e-12, np.dot(normal, normal))
         turned = columns((Rotation.from_rotvec(step).as_matrix() @ np.array(turn).T)[None], 0)
-        corners += cone_excess(skel, link, turned) > 1e-7
+        corners += cone_excess(skel.balls, link, turned) > 1e-7
     assert corners < 0.02 * 500

@@ -48,10 +48,10 @@ def test_a_target_is_the_trackers_where_that_is_within_limits(seed: int) -> None
     assert (target.angle[at] == np.clip(tracker.angle[at], skel.limits[at, 0], skel.limits[at, 1])).all()
     legal = np.ones(found.count, dtype=bool)
     for link in range(len(skel.kind)):
-        beyond = skel.kind[link] == BALL and cone_excess(skel, link, columns(tracker.turn, link)) > 0.0
+        beyond = skel.kind[link] == BALL and cone_excess(skel.balls, link, columns(tracker.turn, link)) > 0.0
         if beyond:
             legal[found.avatars.avatar[link]] = False
-            assert cone_excess(skel, link, columns(target.turn, link)) <= 1e-12
+            assert cone_excess(skel.balls, link, columns(target.turn, link)) <= 1e-12
         else:
             assert target.turn[link] == pytest.approx(tracker.turn[link], abs=1e-15)
     for a in range(found.count):

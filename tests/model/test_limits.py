@@ -75,7 +75,7 @@ def composed(limits: SwingTwist, swing: float, bearing: float, twist: float) -> 
 @given(st.sampled_from(sorted(KINDS)), st.floats(0.0, 3.1), st.floats(-3.14, 3.14), st.floats(-3.1, 3.1))
 def test_swing_and_twist_are_what_a_rotation_was_made_of(name: str, swing: float, bearing: float, twist: float) -> None:
     limits = KINDS[name]
-    found, turned, back = swing_and_twist(SKELETONS[name], 1, tuples(composed(limits, swing, bearing, twist)))
+    found, turned, back = swing_and_twist(SKELETONS[name].balls, 1, tuples(composed(limits, swing, bearing, twist)))
     # close to the centre the swing is a difference of nearly equal directions
     assert found == pytest.approx(swing, abs=1e-11)
     assert wrapped(turned - twist) == pytest.approx(0.0, abs=1e-9 if swing > 1e-6 else 1e-6)
@@ -86,18 +86,18 @@ def test_swing_and_twist_are_what_a_rotation_was_made_of(name: str, swing: float
 def test_the_excess_is_scipys(name: str, seed: int) -> None:
     turn = Rotation.random(rng=seed)
     (excess,) = swing_twist_excess([Ball(KINDS[name])], Rotation.concatenate([turn]))
-    assert cone_excess(SKELETONS[name], 1, tuples(turn)) == pytest.approx(excess, abs=1e-9)
+    assert cone_excess(SKELETONS[name].balls, 1, tuples(turn)) == pytest.approx(excess, abs=1e-9)
 
 
 @given(st.sampled_from(sorted(KINDS)), SEEDS)
 def test_the_projection_is_inside_and_idempotent(name: str, seed: int) -> None:
     skel, turn = SKELETONS[name], tuples(Rotation.random(rng=seed))
-    once = inside_cone(skel, 1, turn)
+    once = inside_cone(skel.balls, 1, turn)
     assert np.array(once) @ np.array(once).T == pytest.approx(np.eye(3), abs=1e-13)
     # without room for the safety margin the projection lands on the limit itself, to rounding
     tight = KINDS[name].swing == 0.0 or KINDS[name].twist[0] == KINDS[name].twist[1]
-    assert cone_excess(skel, 1, once) <= (1e-12 if tight else 0.0)
-    assert np.array(inside_cone(skel, 1, once)) == pytest.approx(np.array(once), abs=1e-9)
+    assert cone_excess(skel.balls, 1, once) <= (1e-12 if tight else 0.0)
+    assert np.array(inside_cone(skel.balls, 1, once)) == pytest.approx(np.array(once), abs=1e-9)
 
 
 @pytest.mark.parametrize("name", ["tilted", "wide", "opposite", "one-sided"])
@@ -106,36 +106,37 @@ def test_limb_and_twist_go_to_the_nearest_inside_limits(name: str, seed: int) ->
     """Dense sampling: no direction of the cone is nearer to the limb, no angle of the interval to the twist."""
     limits, skel = KINDS[name], SKELETONS[name]
     turn = Rotation.random(rng=seed)
-    found = from_tuples(inside_cone(skel, 1, tuples(turn)))
+    found = from_tuples(inside_cone(skel.balls, 1, tuples(turn)))
     limb, kept = turn.apply(limits.axis), found.apply(limits.axis)
     cloud = Rotation.random(40_000, rng=1).apply([0.0, 0.0, 1.0])
     cloud = cloud[cloud @ np.array(limits.centre) >= np.cos(limits.swing)]
     reached = np.arctan2(np.linalg.norm(np.cross(limb, kept)), limb @ kept)
     best = np.arctan2(np.linalg.norm(np.cross(limb, cloud), axis=1), cloud @ limb).min()
     assert reached <= best + 1e-6
-    _, twist, _ = swing_and_twist(skel, 1, tuples(turn))
-    _, after, _ = swing_and_twist(skel, 1, tuples(found))
+    _, twist, _ = swing_and_twist(skel.balls, 1, tuples(turn))
+    _, after, _ = swing_and_twist(skel.balls, 1, tuples(found))
     angles = np.linspace(*limits.twist, 20_001)
     nearest = np.abs(np.arctan2(np.sin(angles - twist), np.cos(angles - twist))).min()
     assert abs(wrapped(after - twist)) <= nearest + 1e-6
 
 
 def test_a_ball_without_limits_has_none() -> None:
-    assert not has_cone(skel_of(None), 1) and has_cone(SKELETONS["wide"], 1) and not has_cone(SKELETONS["wide"], 0)
+    assert not has_cone(skel_of(None).balls, 1)
+    assert has_cone(SKELETONS["wide"].balls, 1) and not has_cone(SKELETONS["wide"].balls, 0)
 
 
 def test_a_nan_rotation_is_not_inside_its_limits() -> None:
     nowhere = ((np.nan,) * 3,) * 3
-    assert not cone_excess(SKELETONS["tilted"], 1, nowhere) <= 0.0
+    assert not cone_excess(SKELETONS["tilted"].balls, 1, nowhere) <= 0.0
 
 
 @given(st.sampled_from(sorted(KINDS)), SEEDS)
 def test_surely_inside_has_no_excess_and_is_not_touched(name: str, seed: int) -> None:
     turn = tuples(Rotation.random(random_state=seed))
-    excess = cone_excess(SKELETONS[name], 1, turn)
+    excess = cone_excess(SKELETONS[name].balls, 1, turn)
     if excess < -1e-8:
-        assert inside_cone(SKELETONS[name], 1, turn) == turn
-    if surely_inside(SKELETONS[name], 1, turn, SURELY):
+        assert inside_cone(SKELETONS[name].balls, 1, turn) == turn
+    if surely_inside(SKELETONS[name].balls, 1, turn, SURELY):
         assert excess <= 0.0
     else:
         assert excess >= -1e-8, "that is asked of the exact angles in vain"
@@ -150,7 +151,7 @@ def test_at_an_edge_only_who_is_inside_is_surely_inside(beyond: float, name: str
     swing = limits.swing + beyond if edge == 0 else 0.5 * limits.swing
     twist = (middle, low - beyond, high + beyond)[edge]
     turn = tuples(composed(limits, swing, bearing, twist))
-    assert surely_inside(SKELETONS[name], 1, turn, SURELY) == (beyond < -1e-10)
+    assert surely_inside(SKELETONS[name].balls, 1, turn, SURELY) == (beyond < -1e-10)
     # a value left alone as a target is the value that would be returned to the bit
-    assert surely_inside(SKELETONS[name], 1, turn, LEFT_ALONE) == (beyond < -1e-8)
-    assert beyond >= -1e-8 or inside_cone(SKELETONS[name], 1, turn) == turn
+    assert surely_inside(SKELETONS[name].balls, 1, turn, LEFT_ALONE) == (beyond < -1e-8)
+    assert beyond >= -1e-8 or inside_cone(SKELETONS[name].balls, 1, turn) == turn

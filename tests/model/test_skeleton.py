@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from avatarsim.model.skeleton import BALL, FREE, HINGES, RIGID, UNLIMITED, hinge_dofs, skeleton, twist_told
+from avatarsim.model.skeleton import BALL, FREE, HINGES, RIGID, UNLIMITED, hinge_dofs, skeleton
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, SwingTwist
@@ -46,20 +46,22 @@ def test_degrees_follow_the_joints() -> None:
     assert [np.flatnonzero(row).tolist() for row in SKEL.related] == [[0], [0, 1], [0, 1, 2], [0, 1, 2, 3], [0, 4]]
 
 
-def test_a_cone_is_kept_as_cosines_sines_and_a_normal() -> None:
-    assert SKEL.cone[1, :10] == pytest.approx([*Z, 0.6, 0.0, 0.8, np.cos(0.5), np.sin(0.5), -0.25, 0.75])
-    assert SKEL.untwist[1] @ LIMITS.centre == pytest.approx(LIMITS.axis)
-    assert (SKEL.cone[[0, 2, 3, 4], 6] == -2.0).all() and (SKEL.untwist[0] == np.eye(3)).all()
-    aside, untwisted = SKEL.cone[1, 10:13], SKEL.cone[1, 13:16]
-    assert aside @ SKEL.cone[1, 3:6] == pytest.approx(0.0, abs=1e-15) and aside @ aside == pytest.approx(1.0)
-    assert untwisted == pytest.approx(SKEL.untwist[1] @ aside)
-    assert SKEL.cone[1, 16:] == pytest.approx([np.cos(-0.25), np.sin(-0.25), np.cos(0.75), np.sin(0.75)])
-    assert twist_told(np.array(Z), np.eye(3), -4.0, 1.0)[6:] == [0.0] * 4, "an end beyond half a turn has no sine of its own"
+def test_limits_of_a_ball_are_kept_with_what_their_tests_need() -> None:
+    balls = SKEL.balls
+    assert balls.is_limited.tolist() == [False, True, False, False, False]
+    assert balls.axis[1].tolist() == list(Z) and balls.centre[1] == pytest.approx([0.6, 0.0, 0.8])
+    assert (balls.swing_cosine[1], balls.swing_sine[1]) == (np.cos(0.5), np.sin(0.5)) and balls.twist[1].tolist() == [-0.25, 0.75]
+    assert balls.untwist[1] @ LIMITS.centre == pytest.approx(LIMITS.axis) and (balls.untwist[0] == np.eye(3)).all()
+    assert balls.probe[1] @ balls.centre[1] == pytest.approx(0.0, abs=1e-15)
+    assert np.linalg.norm(balls.probe[1]) == pytest.approx(1.0)
+    assert balls.untwisted[1] == pytest.approx(balls.untwist[1] @ balls.probe[1])
+    assert balls.twist_low[1] == pytest.approx([np.cos(-0.25), np.sin(-0.25)])
+    assert balls.twist_high[1] == pytest.approx([np.cos(0.75), np.sin(0.75)])
 
 
 def test_without_the_effect_nothing_is_limited() -> None:
     skel = skeleton(Scene("s", avatars=(mixed(),), narrow=("limits",)))
-    assert (np.abs(skel.limits) == UNLIMITED).all() and (skel.cone[:, 6] == -2.0).all()
+    assert (np.abs(skel.limits) == UNLIMITED).all() and not skel.balls.is_limited.any()
 
 
 def test_two_avatars_come_one_after_the_other() -> None:

@@ -85,9 +85,9 @@ def test_a_tracker_beyond_limits_is_followed_to_the_limit():
     for _ in range(300):
         attract(world.skeleton, target, 0.3, world.posture)
         assert world.posture.angle[-1] <= 2.0
-        assert cone_excess(world.skeleton, 0, columns(world.posture.turn, 0)) <= 0.0
+        assert cone_excess(world.skeleton.balls, 0, columns(world.posture.turn, 0)) <= 0.0
     assert world.posture.angle[-1] == pytest.approx(2.0, abs=1e-12)
-    assert cone_excess(world.skeleton, 0, columns(world.posture.turn, 0)) >= -1e-8
+    assert cone_excess(world.skeleton.balls, 0, columns(world.posture.turn, 0)) >= -1e-8
 
 
 def test_the_whole_way_in_one_frame_is_the_tracker_itself():

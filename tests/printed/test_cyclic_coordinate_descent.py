@@ -62,7 +62,7 @@ def test_a_ball_stays_in_its_cone():
     at_the_edge = 0
     for goal in rng.uniform(-0.9, 0.9, (2000, 3)):
         reach(world, lengths, goal, settings)
-        excess = [cone_excess(world.skeleton, link, columns(world.posture.turn, link)) for link in range(2)]
+        excess = [cone_excess(world.skeleton.balls, link, columns(world.posture.turn, link)) for link in range(2)]
         assert max(excess) <= 0.0
         at_the_edge += max(excess) > -1e-8
     assert at_the_edge > 500

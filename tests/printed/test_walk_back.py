@@ -139,9 +139,9 @@ def test_everything_ends_inside_its_limits():
         world.posture.turn[0] = rotation.to_matrix(rotation.from_rotation_vector(rng.normal(size=3)))
         world.posture.angle[:] = rng.normal(size=4)
         before = [world.posture.turn[0].copy(), world.posture.angle.copy()]
-        was_inside = cone_excess(world.skeleton, 0, columns(world.posture.turn, 0)) < -1e-6
+        was_inside = cone_excess(world.skeleton.balls, 0, columns(world.posture.turn, 0)) < -1e-6
         into_limits(world.skeleton, world.posture)
-        assert cone_excess(world.skeleton, 0, columns(world.posture.turn, 0)) <= 0.0
+        assert cone_excess(world.skeleton.balls, 0, columns(world.posture.turn, 0)) <= 0.0
         assert -0.5 <= world.posture.angle[3] <= 2.0
         if was_inside:
             kept += 1

@@ -71,6 +71,6 @@ class Loop:
                 span = slice(skel.first_dof[link], skel.first_dof[link + 1])
                 worst = max(worst, float((skel.limits[span, 0] - posture.angle[span]).max()))
                 worst = max(worst, float((posture.angle[span] - skel.limits[span, 1]).max()))
-            elif has_cone(skel, link):
-                worst = max(worst, cone_excess(skel, link, columns(posture.turn, link)))
+            elif has_cone(skel.balls, link):
+                worst = max(worst, cone_excess(skel.balls, link, columns(posture.turn, link)))
         return worst

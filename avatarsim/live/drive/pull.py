@@ -126,7 +126,8 @@ class Pull:
         node = self.tree.nodes[k]
         if node.is_ball:
             # axis of the limb and centre of its swing, both in the link's frame at zero
-            limb, centre = self.tree.arrays.skeleton.cone[k, :3], self.tree.arrays.skeleton.cone[k, 3:6]
+            balls = self.tree.arrays.skeleton.balls
+            limb, centre = balls.axis[k], balls.centre[k]
             across = rotation.cross(limb, centre)
             length = hypot(*across)
             if atan2(length, float(limb @ centre)) < ONE_SIDED or length < NO_LENGTH:

@@ -111,5 +111,5 @@ def test_excess_is_the_engine_s(name: str) -> None:
     turned = rotation.normalised(np.random.default_rng(6).normal(size=(400, 4)))
     found = ball_excess(joint, turned)
     for one, quaternion in zip(found, turned, strict=True):
-        assert max(0.0, cone_excess(skel, link, columns(quaternion))) == pytest.approx(one, abs=1e-9)
+        assert max(0.0, cone_excess(skel.balls, link, columns(quaternion))) == pytest.approx(one, abs=1e-9)
     assert (found > 0.1).any() and (ball_excess(joint, rotation.from_rotation_vector(np.zeros((1, 3)))) == 0.0).all()
