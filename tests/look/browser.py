@@ -152,16 +152,24 @@ class Browser:
         self.tell("Input.dispatchMouseEvent", type=f"mouse{kind}", x=x, y=y, button=button, buttons=held, clickCount=1)
 
     def click(self, words: str) -> None:
-        """Click the innermost element with exactly this text. Raises RuntimeError without one."""
-        place = self.value(f"""(() => {{
+        """Click the innermost element with exactly this text, once it has come to rest. Raises RuntimeError without one."""
+        place = self._place_of(words)
+        while place is not None and place != (place := self._place_of(words)):
+            pass
+        if place is None:
+            raise RuntimeError(f"nothing says {words!r}")
+        self.click_at(*place)
+
+    def _place_of(self, words: str) -> list[float] | None:
+        """Return the middle of the innermost element with exactly this text [px] a tenth of a second later."""
+        time.sleep(0.1)
+        found: list[float] | None = self.value(f"""(() => {{
           const found = [...document.querySelectorAll('*')].filter(e => e.textContent.trim() === {json.dumps(words)});
           if (!found.length) return null;
           const box = found[found.length - 1].getBoundingClientRect();
           return [box.x + box.width / 2, box.y + box.height / 2];
         }})()""")
-        if place is None:
-            raise RuntimeError(f"nothing says {words!r}")
-        self.click_at(*place)
+        return found
 
     def click_at(self, x: float, y: float) -> None:
         """Move to a place in the window [px] and click there."""

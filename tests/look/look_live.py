@@ -174,10 +174,11 @@ def test_effects_switch_between_two_frames(running: Running, seen: Browser) -> N
     seen.picture(SCREENSHOTS / "live-hand-light-1400.png")
     seen.click("Effects and method")
     for off in (("friction",), ()):
-        time.sleep(0.5)
         frame = running.state.frame
         seen.click("friction")
-        time.sleep(1.0)
+        end = time.monotonic() + PATIENCE
+        while running.page.panel.off != off and time.monotonic() < end:
+            time.sleep(0.1)
         assert running.page.panel.off == off and running.wait(30).frame > frame
         seen.picture(SCREENSHOTS / "live-hand-effects.png")
     quiet(seen, running)
