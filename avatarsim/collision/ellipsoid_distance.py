@@ -101,6 +101,19 @@ def already_found(m: Vec3, minima: int, scratch: Scratch) -> bool:
 
 
 @kernel
+def first_polytope(
+    vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, balls: Balls, count: int, try_at: float, scratch: Scratch
+) -> tuple[int, Vec3, float, int, int, Balls]:
+    """Run `epa_to` with the balls, or without them where nothing with facets is left of a ball written as an ellipsoid."""
+    status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, balls, count, try_at, scratch)
+    if faces == 0 and balls[0] + balls[1] > 0.0:
+        balls = WHOLE
+        add_support(vertices, shapes, a, b, m, balls, 0, scratch)
+        status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, balls, 1, try_at, scratch)
+    return status, m, depth, points, faces, balls
+
+
+@kernel
 def smooth_depth(
     vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, balls: Balls, count: int, scratch: Scratch
 ) -> tuple[int, float, Vec3, Vec3, Vec3, int, int]:
@@ -114,12 +127,7 @@ def smooth_depth(
     side = 0 if shapes.kind[a] == POINTS else 1
     flat_a, flat_b = closest_points(count, scratch)
     try_at = START * size
-    status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, balls, count, try_at, scratch)
-    if faces == 0 and balls[0] + balls[1] > 0.0:
-        # A ball written as an ellipsoid leaves nothing, or something flat, which has no facets.
-        balls = WHOLE
-        add_support(vertices, shapes, a, b, m, balls, 0, scratch)
-        status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, balls, 1, try_at, scratch)
+    status, m, depth, points, faces, balls = first_polytope(vertices, shapes, a, b, seed, balls, count, try_at, scratch)
     rolled = balls[0] + balls[1]
     corner = scratch.rows[0, side]
     best = Minimum(inf, m, flat_a, flat_b, 0, corner, corner, corner)

@@ -363,11 +363,19 @@ def manifold(
         better = tilted(n, u, v, found.face_b, corners_b)
     elif corners_a >= 3:
         better = tilted(n, u, v, found.face_a, corners_a)
-    for i in range(kept):
-        p = along(along(origin, found.other[i, 0], u), found.other[i, 1], v)
-        put_row(found.on_a, i, along(p, found.on_a[i, 2] - shapes.radius[a], n))
-        put_row(found.on_b, i, along(p, found.on_b[i, 2] + shapes.radius[b], n))
+    place_points(kept, origin, u, v, n, shapes.radius[a], shapes.radius[b], found)
     return kept, better
+
+
+@kernel
+def place_points(
+    count: int, origin: Vec3, u: Vec3, v: Vec3, n: Vec3, radius_a: float, radius_b: float, found_out: Manifold
+) -> None:
+    """Write the points on both surfaces from their places in the plane, and from the heights of the cores over it."""
+    for i in range(count):
+        p = along(along(origin, found_out.other[i, 0], u), found_out.other[i, 1], v)
+        put_row(found_out.on_a, i, along(p, found_out.on_a[i, 2] - radius_a, n))
+        put_row(found_out.on_b, i, along(p, found_out.on_b[i, 2] + radius_b, n))
 
 
 @kernel

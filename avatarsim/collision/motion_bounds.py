@@ -17,6 +17,10 @@ from avatarsim.tolerances import NOTHING
 
 Array = NDArray[np.float64]
 
+HEIGHT, VELOCITY, ACCELERATION, ARM, DISTANCE, SPEED = range(6)
+"""Columns of a row of `follow`, one vertex over a plane: height over it [m], its velocity [m/s] and acceleration [m/s^2], arm of
+its bounds [m], distance from the centre of the plane's body [m], speed seen from there [m/s]."""
+
 HORIZONS = 8
 """Most times that the horizon of the bounds is shortened in the search of the longest safe step. Fewer: shorter steps, and more
 rounds; more: rounds take longer."""
@@ -127,12 +131,12 @@ def safe_step(rows: Array, count: int, own: Vec3, plane: Vec3, slide: float, tar
     """
     step = h
     for i in range(count):
-        gap, v, a = rows[i, 0] - target, rows[i, 1], rows[i, 2]
-        r, speed = rows[i, 3], rows[i, 5]
+        gap, v, a = rows[i, HEIGHT] - target, rows[i, VELOCITY], rows[i, ACCELERATION]
+        r, speed = rows[i, ARM], rows[i, SPEED]
         pull = slide + (own[0] * own[0] + own[1]) * r
         speed += pull * h
         jerk = own[2] * r + 3.0 * plane[0] * pull + 3.0 * (plane[0] * plane[0] + plane[1]) * speed
-        jerk += plane[2] * (rows[i, 4] + speed * h)
+        jerk += plane[2] * (rows[i, DISTANCE] + speed * h)
         if gap > 0.0 and gap + step * (min(v, 0.0) + step * (min(a, 0.0) * 0.5 - jerk * step / 6.0)) > 0.0:
             continue
         # gap + v t + a t^2/2 - jerk t^3/6, the last term by its value at the end of the step
@@ -184,8 +188,7 @@ def follow(
     acceleration of the body of s, ``spin`` and ``twist`` those of the plane; ``own_most`` and ``plane_most`` their bounds over
     the horizon, from ``turning``.
 
-    Writes rows (height over the plane, its velocity, its acceleration, arm of its bounds, distance from the centre of f, speed
-    seen from f) and returns how many. An ellipsoid is one row whose acceleration is a bound already.
+    Writes rows and returns how many. An ellipsoid is one row whose acceleration is a bound already.
     """
     shapes, vertices = geometry.shapes, trial.vertices
     b, c = geometry.body[s], geometry.body[f]
@@ -210,10 +213,10 @@ def follow(
         arm = sqrt(largest) + norm(sub(middle, centre))
         bulge = speed * speed * (largest / sqrt(smallest) + arm) + gain * arm
         d, away = sub(lowest, home), sub(centre, home)
-        out[0, 0] = dot(m, d) - base
-        out[0, 1] = dot(m, add(v, cross(own_spin, sub(lowest, centre)))) + dot(m1, d)
-        out[0, 2] = dot(m, a) + 2.0 * dot(m1, v) + dot(m2, away) - bulge
-        out[0, 3], out[0, 4], out[0, 5] = 0.0, norm(away), norm(v)
+        out[0, HEIGHT] = dot(m, d) - base
+        out[0, VELOCITY] = dot(m, add(v, cross(own_spin, sub(lowest, centre)))) + dot(m1, d)
+        out[0, ACCELERATION] = dot(m, a) + 2.0 * dot(m1, v) + dot(m2, away) - bulge
+        out[0, ARM], out[0, DISTANCE], out[0, SPEED] = 0.0, norm(away), norm(v)
         return 1
     count = 0
     for i in range(first, last):
@@ -221,10 +224,11 @@ def follow(
         r = sub(row(vertices, i), centre)
         around = cross(own_spin, r)
         u = add(v, around)
-        out[count, 0] = dot(m, d) - base
-        out[count, 1] = dot(m, u) + dot(m1, d)
-        out[count, 2] = dot(m, add(a, add(cross(own_spin, around), cross(own_twist, r)))) + 2.0 * dot(m1, u) + dot(m2, d)
-        out[count, 3], out[count, 4], out[count, 5] = arm_about(paths, b, r, horizon), norm(d), norm(u)
+        out[count, HEIGHT] = dot(m, d) - base
+        out[count, VELOCITY] = dot(m, u) + dot(m1, d)
+        speeding = add(a, add(cross(own_spin, around), cross(own_twist, r)))
+        out[count, ACCELERATION] = dot(m, speeding) + 2.0 * dot(m1, u) + dot(m2, d)
+        out[count, ARM], out[count, DISTANCE], out[count, SPEED] = arm_about(paths, b, r, horizon), norm(d), norm(u)
         count += 1
     return count
 
@@ -239,10 +243,10 @@ def follow_ball(
     v, a = sub(row(paths.v, b), row(paths.v, c)), sub(acceleration(paths, b), acceleration(paths, c))
     m1 = cross(spin, m)
     m2 = add(cross(twist, m), cross(spin, m1))
-    out[0, 0] = dot(m, d) - height(geometry, trial, f, m) - radius
-    out[0, 1] = dot(m, v) + dot(m1, d)
-    out[0, 2] = dot(m, a) + 2.0 * dot(m1, v) + dot(m2, d)
-    out[0, 3], out[0, 4], out[0, 5] = 0.0, norm(d), norm(v)
+    out[0, HEIGHT] = dot(m, d) - height(geometry, trial, f, m) - radius
+    out[0, VELOCITY] = dot(m, v) + dot(m1, d)
+    out[0, ACCELERATION] = dot(m, a) + 2.0 * dot(m1, v) + dot(m2, d)
+    out[0, ARM], out[0, DISTANCE], out[0, SPEED] = 0.0, norm(d), norm(v)
 
 
 @kernel
@@ -251,7 +255,7 @@ def follow_centres(geometry: Geometry, trial: Poses, paths: Paths, radii: float,
     d = sub(row(trial.position, b), row(trial.position, c))
     v, a = sub(row(paths.v, b), row(paths.v, c)), sub(acceleration(paths, b), acceleration(paths, c))
     far = norm(d)
-    out[0, 0], out[0, 1], out[0, 2] = far - radii, 0.0, 0.0
+    out[0, HEIGHT], out[0, VELOCITY], out[0, ACCELERATION] = far - radii, 0.0, 0.0
     if far > 0.0:
-        out[0, 1], out[0, 2] = dot(d, v) / far, dot(d, a) / far
-    out[0, 3], out[0, 4], out[0, 5] = 0.0, far, norm(v)
+        out[0, VELOCITY], out[0, ACCELERATION] = dot(d, v) / far, dot(d, a) / far
+    out[0, ARM], out[0, DISTANCE], out[0, SPEED] = 0.0, far, norm(v)

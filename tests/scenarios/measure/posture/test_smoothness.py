@@ -45,7 +45,7 @@ def case(seed: int, frames: int = 40) -> tuple[Recording, np.ndarray, np.ndarray
 def by_loops(recording: Recording, free: np.ndarray, contact: np.ndarray) -> dict[str, float]:
     """Return the figures by their definitions, one number at a time."""
     p, q, dt = recording.positions[:, recording.links].tolist(), recording.raw_positions.tolist(), recording.dt
-    frames, links = recording.frames, len(q[0])
+    frames, links, silent = recording.frames, len(q[0]), 0
 
     def step(x: list[list[list[float]]], k: int, i: int) -> list[float]:
         return [x[k][i][a] - x[k - 1][i][a] for a in range(3)]
@@ -92,7 +92,6 @@ def by_loops(recording: Recording, free: np.ndarray, contact: np.ndarray) -> dic
             rests = max(math.hypot(*step(q, j, i)) for j in near) / dt <= 0.1
             if rests and math.dist(p[k][i], q[k][i]) > 1e-3:
                 creeps.append(max(math.hypot(*step(p, k, i)) - math.hypot(*step(q, k, i)), 0.0) / dt)
-    silent = 0
     for k in range(1, frames + 1):
         rested = k >= 29 and all(free[k - 29 : k + 1])
         far = max(math.dist(p[k][i], q[k][i]) for i in range(links)) > 0.1
