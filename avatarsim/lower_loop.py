@@ -41,6 +41,7 @@ from avatarsim.ik.state import (
     IkScratch,
     IkState,
     Mode,
+    Rig,
     state_is_sound,
 )
 from avatarsim.ik.target import clip_to_limits, copy_posture, largest
@@ -92,12 +93,12 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
     """
     w, own, tracker = view_arena(world, WorldParts), view_arena(kept, IkParts), view_arena(target, TargetParts).posture
     geometry, skeleton, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
-    trackers, settings, avatars = own.trackers, own.settings, own.avatars
+    rig, trackers, settings = Rig(geometry, skeleton, own.avatars), own.trackers, own.settings
     state, working, plan, ghost = own.state, own.working, own.plan, own.ghost
     if answers:
         if own.coupled:
             receive(skeleton, w.dynamics.drive, received)
-            return_coupled(geometry, skeleton, avatars, w.dynamics, poses, posture, tracker, state, working)
+            return_coupled(rig, w.dynamics, poses, posture, tracker, state, working)
         if not moving.any() or state.contacts.used[0] == 0:
             return
         dt = 0.0
@@ -109,24 +110,25 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
             project_velocities(geometry, w.dynamics, state.contacts, w.velocities)
             before, now = last_and_now(trackers)
             load_moving(skeleton, w.dynamics, poses, before, now, dt, 2.0 * settings.stand_off)
-            exclude_coupled(skeleton, avatars, w.dynamics, before, now, posture, dt, tracker, w.velocities)
-    begin_frame(geometry, skeleton, avatars, settings, tracker, dt, moving, posture, poses, state, working)
-    freeze_coupled(skeleton, avatars, w.dynamics, state)
+            exclude_coupled(rig, w.dynamics, before, now, posture, dt, tracker, w.velocities)
+    begin_frame(rig, settings, tracker, dt, moving, posture, poses, state, working)
+    freeze_coupled(rig, w.dynamics, state)
     if dt > 0.0:
-        drop_paths(geometry, skeleton, avatars, tracker, posture, poses, plan, ghost, state, working)
-    aim_along_paths(geometry, skeleton, avatars, settings, dt, posture, poses, plan, state, working)
-    solve(geometry, skeleton, avatars, settings, posture, poses, state, working)
+        drop_paths(rig, tracker, posture, poses, plan, ghost, state, working)
+    aim_along_paths(rig, settings, dt, posture, poses, plan, state, working)
+    solve(rig, settings, posture, poses, state, working)
     if dt > 0.0:
-        supervise(geometry, skeleton, avatars, settings, tracker, dt, posture, poses, plan, ghost, state, working)
+        supervise(rig, settings, tracker, dt, posture, poses, plan, ghost, state, working)
 
 
 @entry_kernel
 def show_posture(world: Index, kept: Index) -> None:
     """Write poses of all avatars at the world's posture, and nothing else."""
     w, own = view_arena(world, WorldParts), view_arena(kept, IkParts)
+    rig = Rig(w.geometry, w.skeleton, own.avatars)
     for avatar in range(own.avatars.first_link.shape[0] - 1):
-        carry_avatar(w.skeleton, own.avatars, avatar, w.posture, own.working.still, w.poses, own.working.axes)
-        place_avatar(w.geometry, w.skeleton, own.avatars, avatar, w.poses)
+        carry_avatar(rig, avatar, w.posture, own.working.still, w.poses, own.working.axes)
+        place_avatar(rig, avatar, w.poses)
 
 
 @entry_kernel
@@ -134,19 +136,19 @@ def stand(world: Index, target: Index, kept: Index) -> None:
     """Place all avatars at the world's posture, which was written: their poses, and no contacts from elsewhere. Their users are
     at the target's, and have been there."""
     w, own, tracker = view_arena(world, WorldParts), view_arena(kept, IkParts), view_arena(target, TargetParts).posture
-    geometry, skeleton, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
+    rig, posture, poses = Rig(w.geometry, w.skeleton, own.avatars), w.posture, w.poses
     avatars, state, working, tracking = own.avatars, own.state, own.working, own.state.tracking
-    clip_to_limits(skeleton, avatars, tracker, tracking, state.target_before)
+    clip_to_limits(rig, tracker, tracking, state.target_before)
     for avatar in range(avatars.first_link.shape[0] - 1):
-        carry_avatar(skeleton, avatars, avatar, posture, working.still, poses, state.axes)
-        place_avatar(geometry, skeleton, avatars, avatar, poses)
-        copy_poses(geometry, skeleton, avatars, avatar, poses, working.trial)
-        copy_posture(skeleton, avatars, avatar, tracker, state.tracker_before)
+        carry_avatar(rig, avatar, posture, working.still, poses, state.axes)
+        place_avatar(rig, avatar, poses)
+        copy_poses(rig, avatar, poses, working.trial)
+        copy_posture(rig, avatar, tracker, state.tracker_before)
         forget_forces(avatars, avatar, state)
         tracking.mode[avatar], tracking.has_model[avatar], tracking.has_arrived[avatar] = TRACK, 0, 0
         tracking.stalled[avatar], tracking.since[avatar], tracking.objective[avatar] = 0.0, 0.0, 0.0
         tracking.speed[avatar] = 0.0
-        forget_momentum(skeleton, avatars, avatar, posture, state)
+        forget_momentum(rig, avatar, posture, state)
     state.touching.used[0], state.contacts.used[0] = 0, 0
     state.pairs.step[0] += 1
 
@@ -156,19 +158,19 @@ def resume(world: Index, target: Index, kept: Index) -> None:
     """Resume tracking, found again at the target: the way there since it was lost is no motion of the users. It is caught up
     with, as fast as after a motion of that speed, and no velocity comes of it."""
     w, own, tracker = view_arena(world, WorldParts), view_arena(kept, IkParts), view_arena(target, TargetParts).posture
-    skeleton, avatars, state, working = w.skeleton, own.avatars, own.state, own.working
-    clip_to_limits(skeleton, avatars, tracker, state.tracking, working.target)
+    rig, avatars, state, working = Rig(w.geometry, w.skeleton, own.avatars), own.avatars, own.state, own.working
+    clip_to_limits(rig, tracker, state.tracking, working.target)
     for avatar in range(avatars.first_link.shape[0] - 1):
         dt = state.tracking.frame_time[avatar]
-        tangent_error(skeleton, avatars, avatar, state.target_before, working.target, working.step)
+        tangent_error(rig, avatar, state.target_before, working.target, working.step)
         way = largest(working.step, avatars.first_dof[avatar], avatars.first_dof[avatar + 1])
         if dt > 0.0:
             state.tracking.speed[avatar] = max(state.tracking.speed[avatar], way / dt)
-        copy_posture(skeleton, avatars, avatar, working.target, state.target_before)
-        copy_posture(skeleton, avatars, avatar, tracker, state.tracker_before)
+        copy_posture(rig, avatar, working.target, state.target_before)
+        copy_posture(rig, avatar, tracker, state.tracker_before)
     if own.trackers.turn[0] >= 0:
         _, last = last_and_now(own.trackers)
-        carry(skeleton, tracker, own.trackers.still, last, own.trackers.axes)
+        carry(w.skeleton, tracker, own.trackers.still, last, own.trackers.axes)
 
 
 class IkLoop:

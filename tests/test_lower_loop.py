@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from avatarsim.ik.solve import begin_frame, solve
+from avatarsim.ik.state import Rig
 from avatarsim.lower_loop import NOT_KNOWN, IkLoop
 from avatarsim.model.world import Target, build, posture_of
 from avatarsim.planner.follow_path import aim_along_paths
@@ -31,11 +32,11 @@ def test_frames_through_arenas_are_the_same_to_the_last_bit(name: str) -> None:
         tracker, dt = posture_of(w.skeleton, w.hinges, sample), 1.0 / 60.0
         geo, skel, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
         avatars, state, working = apart.avatars, apart.state, apart.working
-        begin_frame(geo, skel, avatars, chosen.posture, tracker, dt, NOT_KNOWN, posture, poses, state, working)
-        drop_paths(geo, skel, avatars, tracker, posture, poses, plan, ghost, state, working)
-        aim_along_paths(geo, skel, avatars, chosen.posture, dt, posture, poses, plan, state, working)
-        solve(geo, skel, avatars, chosen.posture, posture, poses, state, working)
-        supervise(geo, skel, avatars, chosen.posture, tracker, dt, posture, poses, plan, ghost, state, working)
+        begin_frame(Rig(geo, skel, avatars), chosen.posture, tracker, dt, NOT_KNOWN, posture, poses, state, working)
+        drop_paths(Rig(geo, skel, avatars), tracker, posture, poses, plan, ghost, state, working)
+        aim_along_paths(Rig(geo, skel, avatars), chosen.posture, dt, posture, poses, plan, state, working)
+        solve(Rig(geo, skel, avatars), chosen.posture, posture, poses, state, working)
+        supervise(Rig(geo, skel, avatars), chosen.posture, tracker, dt, posture, poses, plan, ghost, state, working)
         plain = leaves((w.posture, w.poses, apart.state, plan))
         packed = leaves((world.posture, world.poses, lower.state, lower.plan))
         for one, other in zip(plain, packed, strict=True):

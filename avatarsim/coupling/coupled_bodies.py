@@ -9,7 +9,7 @@ from avatarsim.coupling.tracked_motion import TOP_SPEED, TOP_SPIN
 from avatarsim.ik.inertia import minmod
 from avatarsim.ik.kinematics import place_avatar
 from avatarsim.ik.sqp_step import copy_poses, forget_forces
-from avatarsim.ik.state import Avatars, Contacts, IkScratch, IkState
+from avatarsim.ik.state import Avatars, Contacts, IkScratch, IkState, Rig
 from avatarsim.ik.target import clip_avatar, copy_posture
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.couplings import set_followers
@@ -152,14 +152,15 @@ def follow(drive: DriveState, before: Poses, now: Poses, b: int, dt: float) -> t
 
 @kernel
 def exclude_coupled(
-    skel: Skeleton, avatars: Avatars, dynamics: Dynamics, before: Poses, now: Poses, posture: Posture, dt: float,
-    target_out: Posture, velocities_out: Velocities,
+    rig: Rig, dynamics: Dynamics, before: Poses, now: Poses, posture: Posture, dt: float, target_out: Posture,
+    velocities_out: Velocities,
 ) -> None:
     """Exclude coupled avatars and moving bodies from the lower loop, and compute the motion of their trackers in dt seconds.
 
     Args:
         before, now: tracked poses of the links at the start and at the end of the frame.
     """
+    skel, avatars = rig.skel, rig.avatars
     drive = dynamics.drive
     for b in range(drive.carrier.shape[0]):
         if drive.carrier[b] >= 0:
@@ -171,7 +172,7 @@ def exclude_coupled(
         load(drive, avatars, link, skel.first)
         if drive.coupled[b] + drive.loaded[b] == 0:
             if drive.moves[b] == 1:
-                take_out(skel, avatars, drive, link, posture, target_out)
+                take_out(rig, drive, link, posture, target_out)
             continue
         if drive.coupled[b] == 0:
             couple(drive, before, now, b, dt)
@@ -186,7 +187,7 @@ def exclude_coupled(
             put_row(drive.lag, b, (0.0, 0.0, 0.0))
             put_row(drive.offset, b, (0.0, 0.0, 0.0))
         if drive.coupled[b] + drive.moves[b] > 0:
-            take_out(skel, avatars, drive, link, posture, target_out)
+            take_out(rig, drive, link, posture, target_out)
         if drive.coupled[b] == 1:
             put_row(velocities_out.linear, b, add(row(drive.linear, b), row(drive.lag, b)))
             put_row(velocities_out.angular, b, add(row(drive.angular, b), row(drive.lag_turn, b)))
@@ -195,21 +196,23 @@ def exclude_coupled(
 
 
 @kernel
-def take_out(skel: Skeleton, avatars: Avatars, drive: DriveState, link: int, posture: Posture, target_out: Posture) -> None:
+def take_out(rig: Rig, drive: DriveState, link: int, posture: Posture, target_out: Posture) -> None:
     """Let the lower loop leave the avatar of a root link as it is; the upper loop knows its tracked posture."""
-    avatar = avatars.avatar[link]
+    skel = rig.skel
+    avatar = rig.avatars.avatar[link]
     if drive.tied[skel.first + link] == skel.first + link:
-        copy_posture(skel, avatars, avatar, target_out, drive.linkage.user)
-        copy_posture(skel, avatars, avatar, posture, target_out)
-        copy_posture(skel, avatars, avatar, posture, drive.linkage.joints)
+        copy_posture(rig, avatar, target_out, drive.linkage.user)
+        copy_posture(rig, avatar, posture, target_out)
+        copy_posture(rig, avatar, posture, drive.linkage.joints)
 
 
 @kernel
-def freeze_coupled(skel: Skeleton, avatars: Avatars, dynamics: Dynamics, state_out: IkState) -> None:
+def freeze_coupled(rig: Rig, dynamics: Dynamics, state_out: IkState) -> None:
     """Set the motion budget of coupled avatars and moving bodies to zero, and their last target to the tracked posture.
 
     The speed of the tracker and an eased start limit how fast a released avatar makes up its lag.
     """
+    skel, avatars = rig.skel, rig.avatars
     drive = dynamics.drive
     for link in range(skel.kind.shape[0]):
         b = skel.first + link
@@ -219,16 +222,17 @@ def freeze_coupled(skel: Skeleton, avatars: Avatars, dynamics: Dynamics, state_o
             tracking.speed[avatar] = speed if drive.tied[b] == b else max(tracking.speed[avatar], speed)
             tracking.ease[avatar], tracking.is_led[avatar] = 0.0, 1
             if drive.tied[b] == b:
-                clip_avatar(skel, avatars, avatar, drive.linkage.user, tracking, state_out.target_before)
-                copy_posture(skel, avatars, avatars.avatar[link], drive.linkage.user, state_out.tracker_before)
+                clip_avatar(rig, avatar, drive.linkage.user, tracking, state_out.target_before)
+                copy_posture(rig, avatars.avatar[link], drive.linkage.user, state_out.tracker_before)
 
 
 @kernel
 def return_coupled(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, dynamics: Dynamics, poses: Poses, posture_out: Posture,
-    target_out: Posture, state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, dynamics: Dynamics, poses: Poses, posture_out: Posture, target_out: Posture, state_out: IkState,
+    scratch_out: IkScratch,
 ) -> None:
     """Copy the poses of coupled avatars from the upper loop into the posture and the target of the lower loop."""
+    skel, avatars = rig.skel, rig.avatars
     drive, found = dynamics.drive, False
     for link in range(skel.kind.shape[0]):
         b, avatar = skel.first + link, avatars.avatar[link]
@@ -244,9 +248,9 @@ def return_coupled(
         for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
             posture_out.angle[j] = drive.linkage.joints.angle[j]
         set_followers(skel, skel.first_dof[link], skel.first_dof[link + 1], 0.0, posture_out)
-        copy_posture(skel, avatars, avatar, posture_out, target_out)
-        place_avatar(geo, skel, avatars, avatar, poses)
-        copy_poses(geo, skel, avatars, avatar, poses, scratch_out.trial)
+        copy_posture(rig, avatar, posture_out, target_out)
+        place_avatar(rig, avatar, poses)
+        copy_poses(rig, avatar, poses, scratch_out.trial)
         forget_forces(avatars, avatar, state_out)
     if found:
         state_out.pairs.step[0] += 1

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from avatarsim.ik.goals import make_goal_scratch
 from avatarsim.ik.make import empty_posture, spans
-from avatarsim.ik.state import TRACKING, Tracking
+from avatarsim.ik.state import TRACKING, Rig, Tracking
 from avatarsim.ik.target import clip_to_limits
 from avatarsim.model.conversion import read_sample, write_sample, write_shown
+from avatarsim.model.geometry import geometry
 from avatarsim.model.skeleton import Posture, carry, hinge_dofs, skeleton
 from avatarsim.model.world import sample_arrays
 from avatarsim.scene.avatar import Avatar
@@ -28,11 +29,12 @@ class BareAvatars:
 
     def __init__(self, avatars: Sequence[Avatar]) -> None:
         bare = [replace(one, links=tuple(replace(link, pieces=(), material=MATERIAL) for link in one.links)) for one in avatars]
-        self.skeleton = skeleton(Scene("bare", (), tuple(bare)))
-        self.hinges, self._spans = hinge_dofs(self.skeleton), spans(self.skeleton)
+        scene = Scene("bare", (), tuple(bare))
+        self.skeleton = skeleton(scene)
+        self.hinges, self._rig = hinge_dofs(self.skeleton), Rig(geometry(scene), self.skeleton, spans(self.skeleton))
         links, degrees = len(self.skeleton.kind), int(self.skeleton.first_dof[-1])
         self._posture, self._clipped = empty_posture(links, degrees), empty_posture(links, degrees)
-        self._tracking = np.zeros(len(self._spans.first_link) - 1, TRACKING).view(Tracking)
+        self._tracking = np.zeros(len(self._rig.avatars.first_link) - 1, TRACKING).view(Tracking)
         self._scratch, self._centres = make_goal_scratch(self.skeleton, 0), np.zeros((links, 3))
         self._places, self._turns, self._angles = np.zeros((links, 3)), np.zeros((links, 4)), np.zeros(len(self.hinges))
 
@@ -48,7 +50,7 @@ class BareAvatars:
 
     def clipped(self, posture: Posture) -> Posture:
         """Return the posture with each joint at the nearest place inside its limits."""
-        clip_to_limits(self.skeleton, self._spans, posture, self._tracking, self._clipped)
+        clip_to_limits(self._rig, posture, self._tracking, self._clipped)
         return self._clipped
 
     def poses(self, posture: Posture) -> tuple[Array, Array]:

@@ -40,15 +40,14 @@ from avatarsim.ik.rate_limits import (
     set_caps,
     steps_to_rest,
 )
-from avatarsim.ik.state import axis_at, keep_axis, slot_of
+from avatarsim.ik.state import Rig, axis_at, keep_axis, slot_of
 from avatarsim.ik.target import clip_avatar, copy_posture
 from avatarsim.jit.arena import view_arena
 from avatarsim.jit.kernel import entry_kernel, kernel
 from avatarsim.jit.layout import Line
 from avatarsim.model.conversion import read_sample, write_sample
-from avatarsim.model.geometry import Geometry
 from avatarsim.model.joint_limits import cone_excess, has_cone
-from avatarsim.model.skeleton import BALL, Skeleton, displace
+from avatarsim.model.skeleton import BALL, displace
 from avatarsim.model.world import WorldParts
 from avatarsim.spatial.tangent import columns, stepped
 from avatarsim.spatial.vec3 import dot
@@ -93,29 +92,29 @@ BRAKED, STEPPED, ARRIVED = (int(one) for one in Outcome)
 
 @kernel
 def add_dampers(
-    geo: Geometry, skel: Skeleton, margin: float, opening: float, base: Line, steps: float, chord_out: Chord, braking_out: Braking
+    rig: Rig, margin: float, opening: float, base: Line, steps: float, chord_out: Chord, braking_out: Braking
 ) -> None:
     """Add rows at the posture that so many steps `base` (nd) lead to: of a step that takes its place, the gap of a near pair
     stays at the margin [m] or above; one that is below opens, by at most `opening` [m] a call."""
     c, b = chord_out, braking_out
     s = b.scratch
-    copy_posture(skel, b.avatars, 0, b.shown, c.start)
+    copy_posture(rig, 0, b.shown, c.start)
     for j in range(base.shape[0]):
         c.step[j] = steps * base[j]
     c.bend[:] = 0.0
-    put_at(geo, skel, 1.0, c, c.one)
-    put_at(geo, skel, 1.0, c, c.other)
-    count = list_pairs(geo, skel, REACH, c)
+    put_at(rig.geo, rig.skel, 1.0, c, c.one)
+    put_at(rig.geo, rig.skel, 1.0, c, c.other)
+    count = list_pairs(rig.geo, rig.skel, REACH, c)
     for k in range(count):
         one, other = c.pending[k, 0], c.pending[k, 1]
         at = slot_of(b.pairs, one, other)
-        gap, n, simplex = nearest_direction(geo, c.one, axis_at(b.pairs, at), one, other, REACH, s)
+        gap, n, simplex = nearest_direction(rig.geo, c.one, axis_at(b.pairs, at), one, other, REACH, s)
         if dot(n, n) > 0.5:
             keep_axis(b.pairs, at, n)
         if -inf < gap < REACH:
-            least = min(stand_off_of(geo, margin, one, other) - gap, steps * opening)
+            least = min(stand_off_of(rig.geo, margin, one, other) - gap, steps * opening)
             before = s.rows.used[0]
-            add_witness_row(geo, skel, b.avatars, one, other, n, least, simplex, c.one, c.axes, c.step, s)
+            add_witness_row(rig, one, other, n, least, simplex, c.one, c.axes, c.step, s)
             divide_bounds(before, steps, b)
             fit_row(before, b)
 
@@ -145,7 +144,7 @@ def divide_bounds(first: int, steps: float, braking_out: Braking) -> None:
 
 
 @kernel
-def solve(skel: Skeleton, tolerance: float, braking_out: Braking) -> None:
+def solve(rig: Rig, tolerance: float, braking_out: Braking) -> None:
     """Solve for the trial: the step nearest to the wanted one that keeps rows, bounds and limits. Rows that cannot be met require
     no more than the braking does."""
     b, s, r = braking_out, braking_out.scratch, braking_out.scratch.rows
@@ -171,16 +170,16 @@ def solve(skel: Skeleton, tolerance: float, braking_out: Braking) -> None:
 
 
 @kernel
-def solve_within(skel: Skeleton, tolerance: float, steps: float, braking_out: Braking) -> None:
+def solve_within(rig: Rig, tolerance: float, steps: float, braking_out: Braking) -> None:
     """Solve as `solve` does, with rows for balls that would be beyond their limits after so many steps of it."""
     b, s = braking_out, braking_out.scratch
-    solve(skel, tolerance, b)
+    solve(rig, tolerance, b)
     first = s.rows.used[0]
     for j in range(b.trial.shape[0]):
         s.step[j] = steps * b.trial[j]
-    if check_limits(skel, b.avatars, 0, b.shown, True, s) > 0:
+    if check_limits(rig, 0, b.shown, True, s) > 0:
         divide_bounds(first, steps, b)
-        solve(skel, tolerance, b)
+        solve(rig, tolerance, b)
 
 
 @kernel
@@ -234,7 +233,7 @@ def add_ball(first: int, last: int, is_centred: bool, radius: float, braking_out
 
 
 @kernel
-def keeps_joints(skel: Skeleton, calls: int, steps: float, braking: Braking) -> bool:
+def keeps_joints(rig: Rig, calls: int, steps: float, braking: Braking) -> bool:
     """Return True if joints stay within limits along the trial's way and turn by less than half a turn."""
     b, x = braking, braking.trial
     for g in range(b.first.shape[0]):
@@ -244,62 +243,62 @@ def keeps_joints(skel: Skeleton, calls: int, steps: float, braking: Braking) -> 
         j = b.first[g]
         if b.last[g] == j + 1:
             end = b.shown.angle[j] + steps * x[j]
-            if not (skel.limits[j, 0] - ROUNDING <= end <= skel.limits[j, 1] + ROUNDING):
+            if not (rig.skel.limits[j, 0] - ROUNDING <= end <= rig.skel.limits[j, 1] + ROUNDING):
                 return False
-    for link in range(skel.kind.shape[0]):
-        d = skel.first_dof[link]
-        if skel.kind[link] != BALL or not has_cone(skel.balls, link) or length_of(x, d, d + 3) == 0.0:
+    for link in range(rig.skel.kind.shape[0]):
+        d = rig.skel.first_dof[link]
+        if rig.skel.kind[link] != BALL or not has_cone(rig.skel.balls, link) or length_of(x, d, d + 3) == 0.0:
             continue
         turn = columns(b.shown.turn, link)
         for k in range(calls):
             far = 1.0 + k - k * (k + 1.0) / (2.0 * calls)
-            if cone_excess(skel.balls, link, stepped(turn, (far * x[d], far * x[d + 1], far * x[d + 2]))) > ROUNDING:
+            if cone_excess(rig.skel.balls, link, stepped(turn, (far * x[d], far * x[d + 1], far * x[d + 2]))) > ROUNDING:
                 return False
     return True
 
 
 @kernel
-def is_certified(geo: Geometry, skel: Skeleton, chord_out: Chord, braking: Braking) -> bool:
+def is_certified(rig: Rig, chord_out: Chord, braking: Braking) -> bool:
     """Return True if the trial and the way to rest after it are proved free and within limits."""
     c, b = chord_out, braking
     calls = calls_to_rest(b, b.trial)
     steps = steps_to_rest(calls)
-    is_kept = keeps_joints(skel, calls, steps, b)
-    copy_posture(skel, b.avatars, 0, b.shown, c.start)
-    copy_posture(skel, b.avatars, 0, b.shown, c.end)
+    is_kept = keeps_joints(rig, calls, steps, b)
+    copy_posture(rig, 0, b.shown, c.start)
+    copy_posture(rig, 0, b.shown, c.end)
     for j in range(b.trial.shape[0]):
         c.part[j] = steps * b.trial[j]
-    displace(skel, c.end, c.part)
-    share, _, _ = go_along(geo, skel, 0.0, c)
+    displace(rig.skel, c.end, c.part)
+    share, _, _ = go_along(rig.geo, rig.skel, 0.0, c)
     return is_kept and share >= 1.0
 
 
 @kernel
 def find_step(
-    geo: Geometry, skel: Skeleton, margin: float, opening: float, chord_out: Chord, braking_out: Braking
+    rig: Rig, margin: float, opening: float, chord_out: Chord, braking_out: Braking
 ) -> bool:
     """Find the trial: a step with a proof; return False if there is none."""
     c, b, tolerance = chord_out, braking_out, SOLVED * margin
     b.pairs.step[0] += 1
     steps = set_caps(most_calls_to_rest(b), b)
-    choose_wanted(skel, b)
-    set_bounds(skel, steps, b)
+    choose_wanted(rig, b)
+    set_bounds(rig.skel, steps, b)
     forget_rows(b)
-    add_dampers(geo, skel, margin, opening, b.scratch.still, steps, c, b)
-    solve_within(skel, tolerance, steps, b)
-    if is_certified(geo, skel, c, b):
+    add_dampers(rig, margin, opening, b.scratch.still, steps, c, b)
+    solve_within(rig, tolerance, steps, b)
+    if is_certified(rig, c, b):
         return True
     # a step that slows down as the braking does, whose own end is near to that of the braking
     steps = set_caps(max(1, b.calls[0] - 1), b)
     keep_limits(b, b.wanted)
-    set_bounds(skel, steps, b)
+    set_bounds(rig.skel, steps, b)
     forget_rows(b)
-    add_dampers(geo, skel, ANEW * margin, opening, b.brake, steps, c, b)
-    solve_within(skel, tolerance, steps, b)
+    add_dampers(rig, ANEW * margin, opening, b.brake, steps, c, b)
+    solve_within(rig, tolerance, steps, b)
     for k in range(len(DRAWN)):
         for j in range(b.trial.shape[0]):
             b.trial[j] = b.brake[j] + DRAWN[k] * (b.trial[j] - b.brake[j])
-        if is_certified(geo, skel, c, b):
+        if is_certified(rig, c, b):
             return True
     return False
 
@@ -312,7 +311,7 @@ def forget_rows(braking_out: Braking) -> None:
 
 
 @kernel
-def take(skel: Skeleton, is_found: bool, braking_out: Braking) -> int:
+def take(rig: Rig, is_found: bool, braking_out: Braking) -> int:
     """Take the trial's posture, or else the braking's, as the shown one; return the outcome."""
     b = braking_out
     b.calls[0] = calls_to_rest(b, b.trial) if is_found else max(b.calls[0] - 1, 0)
@@ -321,9 +320,9 @@ def take(skel: Skeleton, is_found: bool, braking_out: Braking) -> int:
         b.step[j] = b.trial[j] if is_found else b.brake[j]
         if is_found and abs(b.error[j] - b.trial[j]) > ROUNDING:
             outcome = STEPPED
-    take_step(skel, b.avatars, 0, b.step, b.shown)
+    take_step(rig, 0, b.step, b.shown)
     if outcome == ARRIVED:
-        copy_posture(skel, b.avatars, 0, b.incoming, b.shown)
+        copy_posture(rig, 0, b.incoming, b.shown)
     return outcome
 
 
@@ -331,8 +330,9 @@ def take(skel: Skeleton, is_found: bool, braking_out: Braking) -> int:
 def rest_at(world: Index, chord: Index, braking: Index, positions: Array, rotations: Array, angles: Array) -> None:
     """Begin at rest at a posture, which has been checked and is free."""
     w, c, b = view_arena(world, WorldParts), view_arena(chord, Chord), view_arena(braking, Braking)
+    rig = Rig(w.geometry, w.skeleton, b.avatars)
     read_sample(positions, rotations, angles, c.hinges, b.shown)
-    copy_posture(w.skeleton, b.avatars, 0, b.shown, b.target)
+    copy_posture(rig, 0, b.shown, b.target)
     b.step[:] = 0.0
     b.calls[0] = 0
 
@@ -344,11 +344,12 @@ def step_towards(
     """Take the step of a call towards a posture, which has been checked; return the outcome, and whether the posture is within
     the limits of joints. `margin` [m] is the gap that pairs keep, `opening` [m] the most that pairs below it open."""
     w, c, b = view_arena(world, WorldParts), view_arena(chord, Chord), view_arena(braking, Braking)
+    rig = Rig(w.geometry, w.skeleton, b.avatars)
     read_sample(positions, rotations, angles, c.hinges, c.start)
-    clip_avatar(w.skeleton, b.avatars, 0, c.start, b.tracking, b.incoming)
+    clip_avatar(rig, 0, c.start, b.tracking, b.incoming)
     set_brake(b)
-    outcome = take(w.skeleton, find_step(w.geometry, w.skeleton, margin, opening, c, b), b)
-    copy_posture(w.skeleton, b.avatars, 0, b.incoming, b.target)
+    outcome = take(rig, find_step(rig, margin, opening, c, b), b)
+    copy_posture(rig, 0, b.incoming, b.target)
     return outcome, b.tracking.is_legal[0] > 0
 
 
@@ -356,8 +357,9 @@ def step_towards(
 def brake_once(world: Index, braking: Index) -> None:
     """Take the step of a call along the proved way to rest."""
     w, b = view_arena(world, WorldParts), view_arena(braking, Braking)
+    rig = Rig(w.geometry, w.skeleton, b.avatars)
     set_brake(b)
-    take(w.skeleton, False, b)
+    take(rig, False, b)
 
 
 @entry_kernel
@@ -366,9 +368,10 @@ def posture_ahead(
 ) -> None:
     """Write the posture after so many calls of braking from here."""
     w, c, b = view_arena(world, WorldParts), view_arena(chord, Chord), view_arena(braking, Braking)
+    rig = Rig(w.geometry, w.skeleton, b.avatars)
     total = float(max(b.calls[0], 1))
     for j in range(b.step.shape[0]):
         c.part[j] = (calls - calls * (calls + 1.0) / (2.0 * total)) * b.step[j]
-    copy_posture(w.skeleton, b.avatars, 0, b.shown, c.end)
-    displace(w.skeleton, c.end, c.part)
+    copy_posture(rig, 0, b.shown, c.end)
+    displace(rig.skel, c.end, c.part)
     write_sample(c.end, c.hinges, positions_out, rotations_out, angles_out)

@@ -8,7 +8,7 @@ Poses of the bodies that are no links, copied into the trial as a frame begins: 
 
 from math import inf
 
-from avatarsim.ik.state import ISLANDS, Avatars, IkScratch, IkState
+from avatarsim.ik.state import ISLANDS, IkScratch, IkState, Rig
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Index
 from avatarsim.model.geometry import Geometry, Poses
@@ -69,15 +69,14 @@ def boxes_meet(boxes: Boxes, i: int, j: int) -> bool:
 
 
 @kernel
-def sweep_boxes(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, least: float, scratch_out: IkScratch
-) -> None:
+def sweep_boxes(rig: Rig, avatar: int, poses: Poses, least: float, scratch_out: IkScratch) -> None:
     """Compute boxes around both ends of an avatar's step, of its pieces, links, and all of it, grown by the least gap [m]."""
+    geo, avatars = rig.geo, rig.avatars
     s, trial = scratch_out, scratch_out.trial
     for k in range(3):
         s.swept_avatars[avatar, k], s.swept_avatars[avatar, 3 + k] = inf, -inf
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        b = skel.first + link
+        b = rig.skel.first + link
         for k in range(3):
             s.swept_links[b, k] = min(poses.hulls[b, k], trial.hulls[b, k]) - least
             s.swept_links[b, 3 + k] = max(poses.hulls[b, 3 + k], trial.hulls[b, 3 + k]) + least
@@ -90,11 +89,11 @@ def sweep_boxes(
 
 
 @kernel
-def sweep_all(geo: Geometry, skel: Skeleton, avatars: Avatars, poses: Poses, least: float, scratch_out: IkScratch) -> None:
+def sweep_all(rig: Rig, poses: Poses, least: float, scratch_out: IkScratch) -> None:
     """Compute boxes of all avatars as a frame begins, for islands are certified against those that were not solved for yet."""
-    count = avatars.first_link.shape[0] - 1
+    count = rig.avatars.first_link.shape[0] - 1
     for avatar in range(count if count > 1 else 0):
-        sweep_boxes(geo, skel, avatars, avatar, poses, least, scratch_out)
+        sweep_boxes(rig, avatar, poses, least, scratch_out)
 
 
 @kernel
@@ -128,11 +127,12 @@ def forget_near(state_out: IkState) -> None:
 
 
 @kernel
-def form_islands(geo: Geometry, skel: Skeleton, avatars: Avatars, state_out: IkState, scratch_out: IkScratch) -> None:
+def form_islands(rig: Rig, state_out: IkState, scratch_out: IkScratch) -> None:
     """Number the islands by the least avatar in each, and list their members one after the other.
 
     An island decides which avatars may push each other in this frame; that none gets into another is proved in each step against
     all of them."""
+    geo, skel, avatars = rig.geo, rig.skel, rig.avatars
     island, s, count, touching = state_out.tracking.island, scratch_out, avatars.first_link.shape[0] - 1, state_out.touching
     for avatar in range(count):
         island[avatar] = avatar

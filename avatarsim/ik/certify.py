@@ -14,10 +14,10 @@ from avatarsim.ik.certificate import accepted_gap, certify_pair
 from avatarsim.ik.constraints import add_contact, add_failed_pair, check_limits, owner_of
 from avatarsim.ik.gaps import least_gap, stand_off_of, wedged_gap
 from avatarsim.ik.kinematics import carry_avatar
-from avatarsim.ik.state import PAIRS, SUPPORTS, Avatars, IkScratch, IkState, slot_of
+from avatarsim.ik.state import PAIRS, SUPPORTS, IkScratch, IkState, Rig, slot_of
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Geometry, Poses, allowed_depth, may_meet
-from avatarsim.model.skeleton import Posture, Skeleton
+from avatarsim.model.skeleton import Posture
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, turned, turned_back
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, dot, neg, row, sub
@@ -25,29 +25,29 @@ from avatarsim.spatial.vec3 import Rows, Vec3, add, along, dot, neg, row, sub
 
 @kernel
 def carry_trial(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture: Posture, poses: Poses, first: int,
-    last: int, is_soft: bool, state: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, posture: Posture, poses: Poses, first: int, last: int, is_soft: bool, state: IkState,
+    scratch_out: IkScratch,
 ) -> bool:
     """Carry the links of members first .. last to the trial, their shapes not; return whether a limit or a pair in contact would
     be refused there, which then has one more row."""
     s, before = scratch_out, scratch_out.rows.used[0]
     for m in range(first, last):
-        check_limits(skel, avatars, s.members[m], posture, True, s)
-        carry_avatar(skel, avatars, s.members[m], posture, s.step, s.trial, s.axes)
+        check_limits(rig, s.members[m], posture, True, s)
+        carry_avatar(rig, s.members[m], posture, s.step, s.trial, s.axes)
     for k in range(state.touching.used[0]):
         a, b = state.touching.pair[k, 0], state.touching.pair[k, 1]
         # between links the direction that keeps them apart turns with them
-        if owner_of(geo, skel, avatars, a, s) >= 0 and owner_of(geo, skel, avatars, b, s) < 0:
-            foresee_pair(geo, skel, avatars, settings, poses, a, b, is_soft, state, s)
+        if owner_of(rig, a, s) >= 0 and owner_of(rig, b, s) < 0:
+            foresee_pair(rig, settings, poses, a, b, is_soft, state, s)
     return bool(s.rows.used[0] > before)
 
 
 @kernel
 def foresee_pair(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, poses: Poses, a: int, b: int, is_soft: bool,
-    state: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, poses: Poses, a: int, b: int, is_soft: bool, state: IkState, scratch_out: IkScratch
 ) -> None:
     """Add a row for a piece of a link that the trial brings too near to a body at rest, along their nearest direction now."""
+    geo = rig.geo
     s, pairs = scratch_out, state.pairs
     at = slot_of(pairs, a, b)
     gap0, n = pairs.gap[at], row(pairs.normal, at)
@@ -60,7 +60,7 @@ def foresee_pair(
     stand_off = stand_off_of(geo, settings.stand_off, a, b)
     if gap < accepted_gap(stand_off, gap0) and lies_in(poses.boxes, b, on_a):
         wanted = min(stand_off, max(gap0, wedged_gap(stand_off))) if is_soft else stand_off
-        add_contact(geo, skel, avatars, a, b, n, on_a, on_b, wanted - gap, s.trial, s.axes, s.step, s)
+        add_contact(rig, a, b, n, on_a, on_b, wanted - gap, s.trial, s.axes, s.step, s)
 
 
 @kernel
@@ -83,13 +83,14 @@ def lies_in(boxes: Rows, b: int, p: Vec3) -> bool:
 
 @kernel
 def certify(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture: Posture, poses: Poses, first: int,
-    last: int, is_adding: bool, is_soft: bool, state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, posture: Posture, poses: Poses, first: int, last: int, is_adding: bool, is_soft: bool,
+    state_out: IkState, scratch_out: IkScratch,
 ) -> int:
     """Check certificates and ball limits of the trial of members first .. last; return the failures, whose avatars are marked.
 
     is_adding: failing pairs and limits get rows; is_soft: these require no more gap than there was.
     """
+    geo, skel, avatars = rig.geo, rig.skel, rig.avatars
     s, failed = scratch_out, 0
     s.failed.used[0] = 0
     for m in range(first, last):
@@ -97,13 +98,13 @@ def certify(
         state_out.tracking.has_failed[avatar] = 0
         if state_out.tracking.is_certified[avatar] > 0:
             continue
-        beyond = check_limits(skel, avatars, avatar, posture, is_adding, s)
-        if is_no_pose(skel, avatars, avatar, s):
+        beyond = check_limits(rig, avatar, posture, is_adding, s)
+        if is_no_pose(rig, avatar, s):
             beyond += 1
         if beyond > 0:
             state_out.tracking.has_failed[avatar] = 1
             failed += beyond
-        sweep_boxes(geo, skel, avatars, avatar, poses, least_gap(settings.stand_off), s)
+        sweep_boxes(rig, avatar, poses, least_gap(settings.stand_off), s)
         list_near_bodies(skel, avatar, state_out, s)
     if failed > 0 and is_adding:
         # a push on one joint turns others, over limits too: solved for before pairs are looked at
@@ -116,18 +117,18 @@ def certify(
             for n in range(state_out.near_count[avatar]):
                 other = state_out.near[avatar, n]
                 if boxes_meet(s.swept_links, body, other) and may_meet(geo.wanted, body, other):
-                    failed += certify_bodies(geo, skel, avatars, settings, poses, body, other, is_adding, is_soft, state_out, s)
+                    failed += certify_bodies(rig, settings, poses, body, other, is_adding, is_soft, state_out, s)
             for k in range(link + 1, high):
                 other = skel.first + k
                 if boxes_meet(s.swept_links, body, other) and may_meet(geo.wanted, body, other):
-                    failed += certify_bodies(geo, skel, avatars, settings, poses, body, other, is_adding, is_soft, state_out, s)
+                    failed += certify_bodies(rig, settings, poses, body, other, is_adding, is_soft, state_out, s)
         for other in range(avatars.first_link.shape[0] - 1):
             is_new = state_out.tracking.is_certified[avatar] == 0 or (
                 s.is_active[other] > 0 and state_out.tracking.is_certified[other] == 0
             )
             if is_new and (other > avatar or (other < avatar and s.is_active[other] == 0)):
                 one, two = min(avatar, other), max(avatar, other)
-                failed += certify_avatars(geo, skel, avatars, settings, poses, one, two, is_adding, is_soft, state_out, s)
+                failed += certify_avatars(rig, settings, poses, one, two, is_adding, is_soft, state_out, s)
     for m in range(first, last):
         state_out.tracking.is_certified[s.members[m]] = 1 - state_out.tracking.has_failed[s.members[m]]
     return failed
@@ -135,29 +136,29 @@ def certify(
 
 @kernel
 def certify_avatars(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, poses: Poses, one: int, other: int,
-    is_adding: bool, is_soft: bool, state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, poses: Poses, one: int, other: int, is_adding: bool, is_soft: bool, state_out: IkState,
+    scratch_out: IkScratch,
 ) -> int:
     """Certify the pairs of two avatars, which come in ascending order; return the number of failures."""
+    skel, avatars = rig.skel, rig.avatars
     s, failed = scratch_out, 0
     if not boxes_meet(s.swept_avatars, one, other):
         return 0
     for link in range(avatars.first_link[one], avatars.first_link[one + 1]):
         body = skel.first + link
         for k in range(avatars.first_link[other], avatars.first_link[other + 1]):
-            if boxes_meet(s.swept_links, body, skel.first + k) and may_meet(geo.wanted, body, skel.first + k):
-                failed += certify_bodies(
-                    geo, skel, avatars, settings, poses, body, skel.first + k, is_adding, is_soft, state_out, s
-                )
+            if boxes_meet(s.swept_links, body, skel.first + k) and may_meet(rig.geo.wanted, body, skel.first + k):
+                failed += certify_bodies(rig, settings, poses, body, skel.first + k, is_adding, is_soft, state_out, s)
     return failed
 
 
 @kernel
 def certify_bodies(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, poses: Poses, body: int, other: int,
-    is_adding: bool, is_soft: bool, state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, poses: Poses, body: int, other: int, is_adding: bool, is_soft: bool, state_out: IkState,
+    scratch_out: IkScratch,
 ) -> int:
     """Certify the pairs of pieces of a link and another body; return the number of failures."""
+    geo, skel, avatars = rig.geo, rig.skel, rig.avatars
     s, failed = scratch_out, 0
     for a in range(geo.first_shape[body], geo.first_shape[body + 1]):
         for b in range(geo.first_shape[other], geo.first_shape[other + 1]):
@@ -175,13 +176,14 @@ def certify_bodies(
             if other >= skel.first:
                 state_out.tracking.has_failed[avatars.avatar[other - skel.first]] = 1
             if is_adding:
-                add_failed_pair(geo, skel, avatars, settings, a, b, gap, n, simplex, is_soft, state_out, s)
+                add_failed_pair(rig, settings, a, b, gap, n, simplex, is_soft, state_out, s)
     return failed
 
 
 @kernel
-def is_no_pose(skel: Skeleton, avatars: Avatars, avatar: int, scratch: IkScratch) -> bool:
+def is_no_pose(rig: Rig, avatar: int, scratch: IkScratch) -> bool:
     """Return True if a link's trial pose is not finite: boxes of nowhere meet nothing, so no pair would be tested."""
+    skel, avatars = rig.skel, rig.avatars
     trial, total = scratch.trial, 0.0
     for b in range(skel.first + avatars.first_link[avatar], skel.first + avatars.first_link[avatar + 1]):
         for i in range(3):

@@ -20,6 +20,7 @@ from avatarsim.ik.state import (
     ConstraintRows,
     IkScratch,
     IkState,
+    Rig,
     RowKind,
     Touching,
     axis_at,
@@ -27,7 +28,7 @@ from avatarsim.ik.state import (
 )
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.ball_limits import BallLimits
-from avatarsim.model.geometry import Array, Geometry, Poses, allowed_depth
+from avatarsim.model.geometry import Array, Poses, allowed_depth
 from avatarsim.model.joint_limits import (
     FLAT,
     SURELY,
@@ -86,43 +87,44 @@ def add_lever(
 
 
 @kernel
-def owner_of(geo: Geometry, skel: Skeleton, avatars: Avatars, piece: int, scratch: IkScratch) -> int:
+def owner_of(rig: Rig, piece: int, scratch: IkScratch) -> int:
     """Return the avatar of a piece; -1 for a body that is no link, and for an avatar that is not moved meanwhile."""
-    link = geo.body[piece] - skel.first
+    avatars = rig.avatars
+    link = rig.geo.body[piece] - rig.skel.first
     if link < 0 or scratch.is_active[avatars.avatar[link]] == 0:
         return -1
     return int(avatars.avatar[link])
 
 
 @kernel
-def is_solved_for(geo: Geometry, skel: Skeleton, avatars: Avatars, a: int, b: int, scratch: IkScratch) -> bool:
+def is_solved_for(rig: Rig, a: int, b: int, scratch: IkScratch) -> bool:
     """Return True if one of two pieces is of an avatar of the island that is solved for."""
-    return owner_of(geo, skel, avatars, a, scratch) >= 0 or owner_of(geo, skel, avatars, b, scratch) >= 0
+    return owner_of(rig, a, scratch) >= 0 or owner_of(rig, b, scratch) >= 0
 
 
 @kernel
 def add_contact(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, a: int, b: int, n: Vec3, on_a: Vec3, on_b: Vec3, missing: float,
-    poses: Poses,
-    axes: Rows, step: Array, scratch_out: IkScratch,
+    rig: Rig, a: int, b: int, n: Vec3, on_a: Vec3, on_b: Vec3, missing: float, poses: Poses, axes: Rows, step: Array,
+    scratch_out: IkScratch,
 ) -> None:
     """Append the condition J (x' - x) >= missing [m]: from step x on, pieces a and b move apart along n by so much.
 
     x is zero for poses of the shown state and the trial step for those of the trial.
     """
+    geo, skel, avatars = rig.geo, rig.skel, rig.avatars
     r = scratch_out.rows
     k = r.used[0]
     if k == r.bound.shape[0]:
         scratch_out.counts[DROPPED] += 1
         return
-    one, other = owner_of(geo, skel, avatars, a, scratch_out), owner_of(geo, skel, avatars, b, scratch_out)
+    one, other = owner_of(rig, a, scratch_out), owner_of(rig, b, scratch_out)
     r.owner[k, 0], r.owner[k, 1] = one, -1 if other == one else other
     clear_row(avatars, k, r)
     if one >= 0:
         add_lever(skel, geo.body[a], 1.0, n, on_a, poses, axes, k, r.jacobian)
     if other >= 0:
         add_lever(skel, geo.body[b], -1.0, n, on_b, poses, axes, k, r.jacobian)
-    fold_row(skel, avatars, k, r)
+    fold_row(rig, k, r)
     arm, opposite = sub(on_a, row(poses.position, geo.body[a])), sub(on_b, row(poses.position, geo.body[b]))
     put_row(r.normal, k, n)
     for i in range(3):
@@ -148,64 +150,63 @@ def along_row(avatars: Avatars, k: int, vector: Array, values: Rows, rows: Const
 
 @kernel
 def add_witness_row(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, a: int, b: int, n: Vec3, missing: float, simplex: int, poses: Poses,
-    axes: Rows, step: Array, scratch_out: IkScratch,
+    rig: Rig, a: int, b: int, n: Vec3, missing: float, simplex: int, poses: Poses, axes: Rows, step: Array, scratch_out: IkScratch
 ) -> None:
     """Add a row at the closest points that the last query left in the scratch, or at the supports along n where it left none."""
+    geo = rig.geo
     if simplex > 0:
         on_a, on_b = closest_points(simplex, scratch_out.narrow)
     else:
         on_a, _ = support(poses.vertices, geo.shapes, a, neg(n))
         on_b, _ = support(poses.vertices, geo.shapes, b, n)
     on_a, on_b = along(on_a, -geo.shapes.radius[a], n), along(on_b, geo.shapes.radius[b], n)
-    add_contact(geo, skel, avatars, a, b, n, on_a, on_b, missing, poses, axes, step, scratch_out)
+    add_contact(rig, a, b, n, on_a, on_b, missing, poses, axes, step, scratch_out)
 
 
 @kernel
-def add_support_row(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, a: int, b: int, n: Vec3, wanted: float, scratch_out: IkScratch
-) -> None:
+def add_support_row(rig: Rig, a: int, b: int, n: Vec3, wanted: float, scratch_out: IkScratch) -> None:
     """Add a row at the trial along a direction that separated at the shown state: push back to the side it came from.
 
     No penetration depth is needed, and its normal would point through thin things.
     """
+    geo = rig.geo
     trial = scratch_out.trial
     on_a, _ = support(trial.vertices, geo.shapes, a, neg(n))
     on_b, _ = support(trial.vertices, geo.shapes, b, n)
     on_a, on_b = along(on_a, -geo.shapes.radius[a], n), along(on_b, geo.shapes.radius[b], n)
     missing = wanted - dot(sub(on_a, on_b), n) - allowed_depth(geo, a, b)
-    add_contact(geo, skel, avatars, a, b, n, on_a, on_b, missing, trial, scratch_out.axes, scratch_out.step, scratch_out)
+    add_contact(rig, a, b, n, on_a, on_b, missing, trial, scratch_out.axes, scratch_out.step, scratch_out)
 
 
 @kernel
 def add_failed_pair(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, a: int, b: int, gap: float, n: Vec3, simplex: int,
-    is_soft: bool, state: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, a: int, b: int, gap: float, n: Vec3, simplex: int, is_soft: bool, state: IkState,
+    scratch_out: IkScratch,
 ) -> None:
     """Add a row for a pair that `certify_pair` has just refused, with its results."""
-    wanted = stand_off_of(geo, settings.stand_off, a, b)
+    wanted = stand_off_of(rig.geo, settings.stand_off, a, b)
     if is_soft:
         wanted = min(wanted, max(state.pairs.gap[slot_of(state.pairs, a, b)], wedged_gap(wanted)))
     if gap > -inf:
         trial, axes, step = scratch_out.trial, scratch_out.axes, scratch_out.step
-        add_witness_row(geo, skel, avatars, a, b, n, wanted - gap, simplex, trial, axes, step, scratch_out)
+        add_witness_row(rig, a, b, n, wanted - gap, simplex, trial, axes, step, scratch_out)
     elif dot(n, n) > 0.5:
-        add_support_row(geo, skel, avatars, a, b, n, wanted, scratch_out)
+        add_support_row(rig, a, b, n, wanted, scratch_out)
 
 
 @kernel
 def add_touching(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, is_soft: bool, poses: Poses,
-    state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, is_soft: bool, poses: Poses, state_out: IkState, scratch_out: IkScratch
 ) -> None:
     """Begin the rows of an island anew, with those at the shown state of every pair that was in contact lately.
 
     No row requires more than it must: a pair nearer than `stand_off` may stay there, so that standing still obeys every row; only
     a pair that is nearly refused has to part, and if soft not even that."""
+    geo = rig.geo
     touching, scratch_out.rows.used[0], scratch_out.rows.ready[0] = state_out.touching, 0, 0
     for k in range(touching.used[0]):
         a, b = touching.pair[k, 0], touching.pair[k, 1]
-        if not is_solved_for(geo, skel, avatars, a, b, scratch_out):
+        if not is_solved_for(rig, a, b, scratch_out):
             continue
         at = slot_of(state_out.pairs, a, b)
         gap, n, simplex = nearest_direction(geo, poses, axis_at(state_out.pairs, at), a, b, EXACT, scratch_out)
@@ -215,9 +216,7 @@ def add_touching(
             wanted = min(stand_off, gap)
             if not is_soft and gap <= 2.0 * least_gap(stand_off):
                 wanted = stand_off
-            add_witness_row(
-                geo, skel, avatars, a, b, n, wanted - gap, simplex, poses, state_out.axes, scratch_out.still, scratch_out
-            )
+            add_witness_row(rig, a, b, n, wanted - gap, simplex, poses, state_out.axes, scratch_out.still, scratch_out)
 
 
 @kernel
@@ -234,7 +233,7 @@ def touch(a: int, b: int, touching_out: Touching) -> None:
 
 
 @kernel
-def keep_touching(geo: Geometry, skel: Skeleton, avatars: Avatars, state_out: IkState, scratch: IkScratch) -> None:
+def keep_touching(rig: Rig, state_out: IkState, scratch: IkScratch) -> None:
     """Update the pairs in contact after an island's step: pairs with active rows are kept; those idle for IDLE_STEPS dropped."""
     t, rows = state_out.touching, scratch.rows
     for k in range(rows.used[0]):
@@ -242,7 +241,7 @@ def keep_touching(geo: Geometry, skel: Skeleton, avatars: Avatars, state_out: Ik
             touch(rows.pair[k, 0], rows.pair[k, 1], t)
     kept = 0
     for k in range(t.used[0]):
-        if is_solved_for(geo, skel, avatars, t.pair[k, 0], t.pair[k, 1], scratch):
+        if is_solved_for(rig, t.pair[k, 0], t.pair[k, 1], scratch):
             t.age[k] += 1
         if t.age[k] <= IDLE_STEPS:
             t.pair[kept, 0], t.pair[kept, 1], t.age[kept] = t.pair[k, 0], t.pair[k, 1], t.age[k]
@@ -257,10 +256,9 @@ INSIDE = 1e-4
 
 
 @kernel
-def check_limits(
-    skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, is_adding: bool, scratch_out: IkScratch
-) -> int:
+def check_limits(rig: Rig, avatar: int, posture: Posture, is_adding: bool, scratch_out: IkScratch) -> int:
     """Count the balls of an avatar that the step takes beyond their limits; add a row per limit broken if rows are added."""
+    skel, avatars = rig.skel, rig.avatars
     beyond = 0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         if skel.kind[link] == BALL and has_cone(skel.balls, link):

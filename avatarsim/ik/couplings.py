@@ -2,7 +2,7 @@
 
 from math import inf
 
-from avatarsim.ik.state import Avatars, ConstraintRows, IkScratch
+from avatarsim.ik.state import Avatars, ConstraintRows, IkScratch, Rig
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.couplings import fold
 from avatarsim.model.geometry import Array
@@ -17,8 +17,9 @@ def has_entry(avatars: Avatars, j: int, i: int) -> bool:
 
 
 @kernel
-def fold_metric(skel: Skeleton, avatars: Avatars, avatar: int, factor_out: Array) -> None:
+def fold_metric(rig: Rig, avatar: int, factor_out: Array) -> None:
     """Replace the metric M of an avatar, before it is factored, by G^T M G, with 1 on the diagonal of followers."""
+    skel, avatars = rig.skel, rig.avatars
     first, end, f = avatars.first_dof[avatar], avatars.first_dof[avatar + 1], factor_out
     found = False
     for k in range(skel.follow.shape[0]):
@@ -55,12 +56,13 @@ def fold_degree(avatars: Avatars, first: int, end: int, b: int, a: int, ratio: f
 
 
 @kernel
-def fold_row(skel: Skeleton, avatars: Avatars, k: int, rows_out: ConstraintRows) -> None:
+def fold_row(rig: Rig, k: int, rows_out: ConstraintRows) -> None:
     """Fold the followers' entries of row k into their leaders', over the degrees of the row's owners."""
+    avatars = rig.avatars
     for side in range(2):
         avatar = rows_out.owner[k, side]
         if avatar >= 0:
-            fold(skel, avatars.first_dof[avatar], avatars.first_dof[avatar + 1], rows_out.jacobian[k])
+            fold(rig.skel, avatars.first_dof[avatar], avatars.first_dof[avatar + 1], rows_out.jacobian[k])
 
 
 @kernel

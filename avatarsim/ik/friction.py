@@ -14,9 +14,9 @@ from math import exp
 
 from avatarsim.ik.constraints import add_contact
 from avatarsim.ik.qp import SOFTNESS, transform
-from avatarsim.ik.state import Avatars, ConstraintRows, Contacts, IkScratch, IkState, RowKind
+from avatarsim.ik.state import ConstraintRows, Contacts, IkScratch, IkState, Rig, RowKind
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.geometry import Array, Geometry, Poses
+from avatarsim.model.geometry import Array, Poses
 from avatarsim.model.skeleton import FREE, SLIDE, Skeleton
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, turned, turned_back
@@ -31,29 +31,27 @@ more: slowest frames of hands that grip take longer."""
 
 
 @kernel
-def add_friction(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, members: int, poses: Poses, state: IkState,
-    scratch_out: IkScratch,
-) -> None:
+def add_friction(rig: Rig, settings: PostureSettings, members: int, poses: Poses, state: IkState, scratch_out: IkScratch) -> None:
     """Append friction rows for the contacts with fixed bodies that press hardest, HELD for each of so many members.
 
     The planner's ghost has none."""
     rows, count = scratch_out.rows, scratch_out.rows.used[0]
     for k in range(count):
-        rows.before[k] = largest_force(geo, skel, avatars, k, state, rows)
+        rows.before[k] = largest_force(rig, k, state, rows)
     for _ in range(HELD * members):
         hardest = 0
         for k in range(1, count):
             hardest = k if rows.before[k] > rows.before[hardest] else hardest
         if count == 0 or not (rows.before[hardest] > NOTHING):
             return
-        hold(geo, skel, avatars, settings, hardest, rows.before[hardest], poses, state, scratch_out)
+        hold(rig, settings, hardest, rows.before[hardest], poses, state, scratch_out)
         rows.before[hardest] = 0.0
 
 
 @kernel
-def largest_force(geo: Geometry, skel: Skeleton, avatars: Avatars, k: int, state: IkState, rows: ConstraintRows) -> float:
+def largest_force(rig: Rig, k: int, state: IkState, rows: ConstraintRows) -> float:
     """Return the largest multiplier of friction that row k has by Coulomb's law, 0 for all but links on fixed bodies."""
+    geo, skel, avatars = rig.geo, rig.skel, rig.avatars
     if rows.kind[k] != CONTACT:
         return 0.0
     a, b = rows.pair[k, 0], rows.pair[k, 1]
@@ -75,11 +73,9 @@ def normal_force(a: int, b: int, contacts: Contacts) -> float:
 
 
 @kernel
-def hold(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, k: int, most: float, poses: Poses, state: IkState,
-    scratch_out: IkScratch,
-) -> None:
+def hold(rig: Rig, settings: PostureSettings, k: int, most: float, poses: Poses, state: IkState, scratch_out: IkScratch) -> None:
     """Append the friction rows of contact row k, for multipliers up to `most`."""
+    geo, skel, avatars = rig.geo, rig.skel, rig.avatars
     rows, o = scratch_out.rows, scratch_out.objective
     a, b = rows.pair[k, 0], rows.pair[k, 1]
     body, other, n = geo.body[a], geo.body[b], row(rows.normal, k)
@@ -98,7 +94,7 @@ def hold(
     slip, first = sub(way, scale(n, dot(n, way))), rows.used[0]
     along_slip = scale(slip, 1.0 / norm(slip)) if norm(slip) > NOTHING else perpendicular(n)
     for t in (along_slip, cross(n, along_slip)):
-        add_contact(geo, skel, avatars, a, b, t, on_a, on_b, 0.0, poses, state.axes, scratch_out.still, scratch_out)
+        add_contact(rig, a, b, t, on_a, on_b, 0.0, poses, state.axes, scratch_out.still, scratch_out)
     transform(avatars, scratch_out)
     for q in range(first, rows.used[0]):
         held = depth * state.tracking.share[avatar] / (rows.gram[q, q] + SOFTNESS)

@@ -16,11 +16,11 @@ from math import inf
 from avatarsim.ik.kinematics import longest_part, tangent_error
 from avatarsim.ik.motion_budget import AT_REST
 from avatarsim.ik.objective import LOSS_RADIUS
-from avatarsim.ik.state import Avatars, IkScratch, IkState, Objective
+from avatarsim.ik.state import Avatars, IkScratch, IkState, Objective, Rig
 from avatarsim.ik.target import copy_posture
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Array
-from avatarsim.model.skeleton import FREE, Posture, Skeleton
+from avatarsim.model.skeleton import FREE, Posture
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import dot, norm, row, sub
 
@@ -30,23 +30,23 @@ SETTLING = 5.0
 
 @kernel
 def carry_momentum(
-    skel: Skeleton, avatars: Avatars, settings: PostureSettings, dt: float, posture: Posture, state_out: IkState,
-    scratch: IkScratch,
+    rig: Rig, settings: PostureSettings, dt: float, posture: Posture, state_out: IkState, scratch: IkScratch
 ) -> None:
     """Compute the momentum of the avatars at the start of a frame of dt [s], from the last frame and the target's own motion."""
+    avatars = rig.avatars
     t, inertia, w = state_out.tracking, state_out.inertia, settings.natural_frequency * dt
     for avatar in range(avatars.first_link.shape[0] - 1):
         t.keep[avatar] = 1.0 / (1.0 + w) ** 2
         t.share[avatar] = w * w * t.keep[avatar]
         ratio = dt / t.frame_time[avatar] if t.frame_time[avatar] > 0.0 else 0.0
-        tangent_error(skel, avatars, avatar, inertia.shown, posture, inertia.walk)
+        tangent_error(rig, avatar, inertia.shown, posture, inertia.walk)
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
             inertia.walk[j] *= ratio
             beyond = inertia.walk[j] - scratch.objective.target_motion[j]
             inertia.momentum[j] = beyond if t.is_led[avatar] > 0 else minmod(ratio * inertia.gone[j], beyond)
             inertia.target_motion[j], inertia.gone[j] = scratch.objective.target_motion[j], 0.0
         t.frame_time[avatar], t.is_led[avatar] = dt, 0
-        copy_posture(skel, avatars, avatar, posture, inertia.shown)
+        copy_posture(rig, avatar, posture, inertia.shown)
 
 
 @kernel
@@ -64,21 +64,23 @@ def minmod(a: float, b: float) -> float:
 
 
 @kernel
-def forget_momentum(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, state_out: IkState) -> None:
+def forget_momentum(rig: Rig, avatar: int, posture: Posture, state_out: IkState) -> None:
     """Set the velocity of an avatar at `posture` to zero."""
+    avatars = rig.avatars
     inertia = state_out.inertia
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
         inertia.momentum[j], inertia.walk[j], inertia.target_motion[j], inertia.gone[j] = 0.0, 0.0, 0.0, 0.0
     state_out.tracking.is_led[avatar] = 0
-    copy_posture(skel, avatars, avatar, posture, inertia.shown)
+    copy_posture(rig, avatar, posture, inertia.shown)
 
 
 @kernel
-def shorten_own(skel: Skeleton, avatars: Avatars, avatar: int, reach: float, objective_out: Objective) -> None:
+def shorten_own(rig: Rig, avatar: int, reach: float, objective_out: Objective) -> None:
     """Scale the target's own motion of one frame down to the distance of the target, so that an avatar never overtakes it."""
+    avatars = rig.avatars
     o = objective_out
-    moved = longest_part(skel, avatars, avatar, o.target_motion, 1.0, 1.0 / reach)
-    far = longest_part(skel, avatars, avatar, o.error, 1.0, 1.0 / reach)
+    moved = longest_part(rig, avatar, o.target_motion, 1.0, 1.0 / reach)
+    far = longest_part(rig, avatar, o.error, 1.0, 1.0 / reach)
     if far < moved:
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
             o.target_motion[j] *= far / moved
@@ -92,11 +94,12 @@ def goal_of(avatar: int, j: int, newton: float, state: IkState, own: Array) -> f
 
 
 @kernel
-def resist(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, objective_out: Objective) -> None:
+def resist(rig: Rig, avatar: int, state: IkState, objective_out: Objective) -> None:
     """Replace the Newton step by the step with inertia.
 
     The root is not damped towards a target that is drawn near, which moves away as the root moves. The planner's ghost has no
     inertia."""
+    skel, avatars = rig.skel, rig.avatars
     o, root = objective_out, avatars.first_link[avatar]
     if state.tracking.keep[avatar] == 0.0:
         return

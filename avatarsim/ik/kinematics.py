@@ -1,9 +1,9 @@
 """Trial and step of one avatar: forward kinematics and the tangent space of its posture (see `model.skeleton`)."""
 
-from avatarsim.ik.state import FORWARDS, Avatars, IkScratch
+from avatarsim.ik.state import FORWARDS, IkScratch, Rig
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.couplings import set_followers
-from avatarsim.model.geometry import Array, Geometry, Poses, place
+from avatarsim.model.geometry import Array, Poses, place
 from avatarsim.model.skeleton import (
     BALL,
     FREE,
@@ -19,36 +19,35 @@ from avatarsim.spatial.vec3 import Rows, Vec3, row, sub
 
 
 @kernel
-def carry_avatar(
-    skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, step: Array, poses_out: Poses, axes_out: Rows
-) -> None:
+def carry_avatar(rig: Rig, avatar: int, posture: Posture, step: Array, poses_out: Poses, axes_out: Rows) -> None:
     """Compute positions and rotations of an avatar's links at `posture` displaced by `step` (nd), and axes (nd, 3); no shapes."""
+    avatars = rig.avatars
     first, end = avatars.first_link[avatar], avatars.first_link[avatar + 1]
-    carry_links(skel, first, end, posture, step, poses_out, axes_out)
+    carry_links(rig.skel, first, end, posture, step, poses_out, axes_out)
 
 
 @kernel
-def place_avatar(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, poses_out: Poses) -> None:
+def place_avatar(rig: Rig, avatar: int, poses_out: Poses) -> None:
     """Carry the shapes of an avatar's links to where `carry_avatar` has put these."""
+    avatars = rig.avatars
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        place(geo, poses_out, skel.first + link)
+        place(rig.geo, poses_out, rig.skel.first + link)
 
 
 @kernel
-def try_step(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, scratch_out: IkScratch
-) -> None:
+def try_step(rig: Rig, avatar: int, posture: Posture, scratch_out: IkScratch) -> None:
     """Set the trial: an avatar displaced by the step, shapes and all."""
     s = scratch_out
-    carry_avatar(skel, avatars, avatar, posture, s.step, s.trial, s.axes)
-    place_avatar(geo, skel, avatars, avatar, s.trial)
+    carry_avatar(rig, avatar, posture, s.step, s.trial, s.axes)
+    place_avatar(rig, avatar, s.trial)
     s.counts[FORWARDS] += 1
 
 
 @kernel
-def take_step(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, posture_out: Posture) -> None:
+def take_step(rig: Rig, avatar: int, step: Array, posture_out: Posture) -> None:
     """Make posture + step the posture; hinges and slides end within limits, followers to the bit where their leaders have
     them."""
+    skel, avatars = rig.skel, rig.avatars
     first, end = avatars.first_link[avatar], avatars.first_link[avatar + 1]
     displace_links(skel, first, end, posture_out, step)
     for link in range(first, end):
@@ -59,8 +58,9 @@ def take_step(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, postur
 
 
 @kernel
-def tangent_error(skel: Skeleton, avatars: Avatars, avatar: int, start: Posture, end: Posture, error_out: Array) -> None:
+def tangent_error(rig: Rig, avatar: int, start: Posture, end: Posture, error_out: Array) -> None:
     """Compute the difference (nd) of two postures in the tangent space of the first."""
+    skel, avatars = rig.skel, rig.avatars
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         d, kind = skel.first_dof[link], skel.kind[link]
         if kind == FREE:
@@ -95,10 +95,11 @@ def parts_of(skel: Skeleton, link: int, step: Array) -> tuple[float, float]:
 
 
 @kernel
-def longest_part(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, move: float, turn: float) -> float:
+def longest_part(rig: Rig, avatar: int, step: Array, move: float, turn: float) -> float:
     """Return the largest part of an avatar's step (nd): of roots and slides in units of `move` [m], of joints of `turn` [rad]."""
+    avatars = rig.avatars
     longest = 0.0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        moved, turned = parts_of(skel, link, step)
+        moved, turned = parts_of(rig.skel, link, step)
         longest = max(longest, moved / move, turned / turn)
     return longest

@@ -24,6 +24,7 @@ from avatarsim.ik.state import (
     Index,
     Inertia,
     Objective,
+    Rig,
     Touching,
     Tracking,
     make_contacts,
@@ -185,6 +186,6 @@ def make_solver(
     nd = int(skel.first_dof[-1])
     axes, own = zeros(nd, 3), spans(skel)
     for a in range(len(own.first_link) - 1):
-        carry_avatar(skel, own, a, posture, zeros(nd), poses, axes)
+        carry_avatar(Rig(geo, skel, own), a, posture, zeros(nd), poses, axes)
     avatars, reach = make_avatars(geo, skel, poses, friction)
     return avatars, make_state(geo, skel, avatars, reach, axes, posture), make_working(geo, skel, avatars, poses, kept)

@@ -9,10 +9,10 @@ from math import inf
 
 from avatarsim.ik.couplings import fold_bounds
 from avatarsim.ik.kinematics import longest_part, parts_of
-from avatarsim.ik.state import Avatars, Budget, IkScratch
+from avatarsim.ik.state import Budget, IkScratch, Rig
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Array
-from avatarsim.model.skeleton import FREE, SLIDE, Posture, Skeleton, has_angles
+from avatarsim.model.skeleton import FREE, SLIDE, Posture, has_angles
 from avatarsim.settings import PostureSettings
 
 AT_REST = 0.06
@@ -27,13 +27,14 @@ more solve. A step that still exceeds it is shortened at the end."""
 
 @kernel
 def open_budget(
-    skel: Skeleton, avatars: Avatars, avatar: int, settings: PostureSettings, dt: float, speed: float,
-    tracker_motion: Array, target_motion_out: Array, budget_out: Budget,
+    rig: Rig, avatar: int, settings: PostureSettings, dt: float, speed: float, tracker_motion: Array, target_motion_out: Array,
+    budget_out: Budget,
 ) -> None:
     """Fill an avatar's budget; speed [rad/s or m/s] is the low-passed one of the fastest target.
 
     tracker_motion, target_motion (nd) are those of the tracker and of the clipped target in this frame. Joints of the latter turn
     no farther than those of the tracker: beyond a cone a small turn of the tracker may send the clipped target around it."""
+    skel, avatars = rig.skel, rig.avatars
     b, share = budget_out, min(1.0, speed / AT_REST) * dt
     b.slack[0], b.slack[1] = SLACK * settings.catch_up_move * dt, SLACK * settings.catch_up_turn * dt
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
@@ -49,10 +50,9 @@ def open_budget(
 
 
 @kernel
-def bound_step(
-    skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, budget: Budget, scratch_out: IkScratch
-) -> None:
+def bound_step(rig: Rig, avatar: int, posture: Posture, budget: Budget, scratch_out: IkScratch) -> None:
     """Compute bounds low, high (nd) of a step: the rest of the budget, and the limits of hinges and slides."""
+    skel, avatars = rig.skel, rig.avatars
     low, high = scratch_out.low, scratch_out.high
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         d, last = skel.first_dof[link], skel.first_dof[link + 1]
@@ -75,19 +75,19 @@ def bound_step(
 
 
 @kernel
-def spend(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, budget_out: Budget) -> None:
+def spend(rig: Rig, avatar: int, step: Array, budget_out: Budget) -> None:
     """Note that an avatar has taken a step (nd)."""
+    avatars = rig.avatars
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        moved, turned = parts_of(skel, link, step)
+        moved, turned = parts_of(rig.skel, link, step)
         budget_out.moved[link] += moved
         budget_out.turned[link] += turned
 
 
 @kernel
-def keep_budget(
-    skel: Skeleton, avatars: Avatars, avatar: int, budget: Budget, has_slack: bool, step_out: Array
-) -> None:
+def keep_budget(rig: Rig, avatar: int, budget: Budget, has_slack: bool, step_out: Array) -> None:
     """Shorten a step (nd) to the rest of the budget, or to its slack beyond: root and joints each by a factor of their own."""
+    skel, avatars = rig.skel, rig.avatars
     b, slack = budget, 1.0 if has_slack else 0.0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         moved, turned = parts_of(skel, link, step_out)
@@ -116,17 +116,18 @@ def scale_by(first: int, last: int, factor: float, step_out: Array) -> None:
 
 
 @kernel
-def time_of(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, way: Array) -> float:
+def time_of(rig: Rig, settings: PostureSettings, avatar: int, way: Array) -> float:
     """Return the time [s] that the catch-up speeds take for a way (nd)."""
-    return longest_part(skel, avatars, avatar, way, settings.catch_up_move, settings.catch_up_turn)
+    return longest_part(rig, avatar, way, settings.catch_up_move, settings.catch_up_turn)
 
 
 @kernel
-def budgets_of(skel: Skeleton, avatars: Avatars, avatar: int, way: Array, budget: Budget) -> float:
+def budgets_of(rig: Rig, avatar: int, way: Array, budget: Budget) -> float:
     """Return how many budgets of a frame a way (nd) is long: of the joint or root of which it is most."""
+    avatars = rig.avatars
     most = 0.0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        moved, turned = parts_of(skel, link, way)
+        moved, turned = parts_of(rig.skel, link, way)
         if moved > 0.0:
             most = max(most, moved / budget.move[link] if budget.move[link] > 0.0 else inf)
         if turned > 0.0:

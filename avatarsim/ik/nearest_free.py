@@ -25,13 +25,13 @@ from avatarsim.ik.motion_budget import bound_step
 from avatarsim.ik.objective import locate, model, value_of
 from avatarsim.ik.qp import solve_qp
 from avatarsim.ik.sqp_step import work_done
-from avatarsim.ik.state import DROPPED, QUERIES, Array, Avatars, IkScratch, IkState, Index
+from avatarsim.ik.state import DROPPED, QUERIES, Array, Avatars, IkScratch, IkState, Index, Rig
 from avatarsim.ik.target import clip_avatar, copy_posture, largest
 from avatarsim.jit.arena import view_arena
 from avatarsim.jit.kernel import entry_kernel, kernel
 from avatarsim.jit.layout import IndexLine
 from avatarsim.model.geometry import Geometry, Poses, allowed_depth, may_meet
-from avatarsim.model.skeleton import FREE, Posture, Skeleton
+from avatarsim.model.skeleton import FREE, Posture
 from avatarsim.model.world import World, WorldParts
 from avatarsim.spatial.vec3 import Vec3, put_row, row
 from avatarsim.tolerances import FINE, NOTHING
@@ -98,13 +98,13 @@ def make_free_search(world: World, weights: Array) -> FreeSearch:
 
 
 @kernel
-def place_solved(geo: Geometry, skel: Skeleton, posture: Posture, poses_out: Poses, search_out: FreeSearch) -> None:
+def place_solved(rig: Rig, posture: Posture, poses_out: Poses, search_out: FreeSearch) -> None:
     """Compute poses of all avatars that are solved for at a posture, and axes of their degrees."""
     for avatar in range(search_out.avatars.first_link.shape[0] - 1):
         search_out.scratch.is_active[avatar] = search_out.is_solved[avatar]
         if search_out.is_solved[avatar] > 0:
-            carry_avatar(skel, search_out.avatars, avatar, posture, search_out.scratch.still, poses_out, search_out.state.axes)
-            place_avatar(geo, skel, search_out.avatars, avatar, poses_out)
+            carry_avatar(rig, avatar, posture, search_out.scratch.still, poses_out, search_out.state.axes)
+            place_avatar(rig, avatar, poses_out)
 
 
 @kernel
@@ -117,31 +117,31 @@ def meet(one: Array, other: Array, i: int, k: int, within: float) -> bool:
 
 
 @kernel
-def is_looked_at(geo: Geometry, skel: Skeleton, search: FreeSearch, b: int, other: int) -> bool:
+def is_looked_at(rig: Rig, search: FreeSearch, b: int, other: int) -> bool:
     """Return True if the pair of a link b that is solved for and another body counts, each pair once."""
-    if other == b or search.is_seen[other] == 0 or not may_meet(geo.wanted, b, other):
+    if other == b or search.is_seen[other] == 0 or not may_meet(rig.geo.wanted, b, other):
         return False
-    link = other - skel.first
+    link = other - rig.skel.first
     return other > b or link < 0 or search.is_solved[search.avatars.avatar[link]] == 0
 
 
 @kernel
 def add_rows(
-    geo: Geometry, skel: Skeleton, poses: Poses, margin: float, is_strict: bool, within: float, search_out: FreeSearch
+    rig: Rig, poses: Poses, margin: float, is_strict: bool, within: float, search_out: FreeSearch
 ) -> float:
     """Begin the rows anew, one per pair at most `within` [m] apart; return the least gap [m], beyond the need of its pair."""
     s, avatars, worst = search_out.scratch, search_out.avatars, inf
     s.rows.used[0], s.rows.ready[0] = 0, 0
-    for b in range(skel.first, poses.position.shape[0]):
-        if search_out.is_solved[avatars.avatar[b - skel.first]] == 0 or search_out.is_seen[b] == 0:
+    for b in range(rig.skel.first, poses.position.shape[0]):
+        if search_out.is_solved[avatars.avatar[b - rig.skel.first]] == 0 or search_out.is_seen[b] == 0:
             continue
         for other in range(poses.position.shape[0]):
-            if not meet(poses.hulls, poses.hulls, b, other, within) or not is_looked_at(geo, skel, search_out, b, other):
+            if not meet(poses.hulls, poses.hulls, b, other, within) or not is_looked_at(rig, search_out, b, other):
                 continue
-            for one in range(geo.first_shape[b], geo.first_shape[b + 1]):
-                for two in range(geo.first_shape[other], geo.first_shape[other + 1]):
+            for one in range(rig.geo.first_shape[b], rig.geo.first_shape[b + 1]):
+                for two in range(rig.geo.first_shape[other], rig.geo.first_shape[other + 1]):
                     if meet(poses.boxes, poses.boxes, one, two, within):
-                        worst = min(worst, add_row(geo, skel, poses, one, two, margin, is_strict, within, search_out))
+                        worst = min(worst, add_row(rig, poses, one, two, margin, is_strict, within, search_out))
     return worst
 
 
@@ -167,85 +167,83 @@ def excess_of(geo: Geometry, a: int, b: int, gap: float, margin: float, is_stric
 
 
 @kernel
-def is_alone(geo: Geometry, skel: Skeleton, avatars: Avatars, piece: int) -> bool:
+def is_alone(rig: Rig, piece: int) -> bool:
     """Return True if a piece is of a free link without others: a loose body, or a hand without joints."""
-    link = geo.body[piece] - skel.first
-    if link < 0 or skel.kind[link] != FREE:
+    avatars = rig.avatars
+    link = rig.geo.body[piece] - rig.skel.first
+    if link < 0 or rig.skel.kind[link] != FREE:
         return False
     avatar = avatars.avatar[link]
     return bool(avatars.first_link[avatar + 1] == avatars.first_link[avatar] + 1)
 
 
 @kernel
-def pushed_at(geo: Geometry, skel: Skeleton, avatars: Avatars, piece: int, gap: float, point: Vec3, poses: Poses) -> Vec3:
+def pushed_at(rig: Rig, piece: int, gap: float, point: Vec3, poses: Poses) -> Vec3:
     """Return the point at which a piece is pushed: of a deep overlap the origin of a free link without others, which is then not
     turned, since the depth is that of a translation."""
-    if gap < -FACE and is_alone(geo, skel, avatars, piece):
-        return row(poses.position, geo.body[piece])
+    if gap < -FACE and is_alone(rig, piece):
+        return row(poses.position, rig.geo.body[piece])
     return point
 
 
 @kernel
 def add_row(
-    geo: Geometry, skel: Skeleton, poses: Poses, a: int, b: int, margin: float, is_strict: bool, within: float,
+    rig: Rig, poses: Poses, a: int, b: int, margin: float, is_strict: bool, within: float,
     search_out: FreeSearch,
 ) -> float:
     """Add rows of pieces a and b, if they are near; return by how much [m] their gap is more than they need.
 
     A pair that touches without overlap needs no more than that, unless the margin is strict: resting bodies stay at rest."""
-    s, allowed = search_out.scratch, allowed_depth(geo, a, b)
-    gap, n, on_a, on_b = gap_of(geo, poses, a, b, within, s)
+    s, allowed = search_out.scratch, allowed_depth(rig.geo, a, b)
+    gap, n, on_a, on_b = gap_of(rig.geo, poses, a, b, within, s)
     if -inf < gap <= within + allowed:
-        wanted = stand_off_of(geo, margin, a, b)
+        wanted = stand_off_of(rig.geo, margin, a, b)
         needed = (1.0 + FINE) * wanted if is_strict else wanted
         if not is_strict and gap >= -NOTHING:
             needed = min(wanted, max(gap, 0.0))
         points, count = search_out.points, 1
         points.gap[0] = gap - allowed
-        put_row(points.on_a, 0, pushed_at(geo, skel, search_out.avatars, a, gap, on_a, poses))
-        put_row(points.on_b, 0, pushed_at(geo, skel, search_out.avatars, b, gap, on_b, poses))
+        put_row(points.on_a, 0, pushed_at(rig, a, gap, on_a, poses))
+        put_row(points.on_b, 0, pushed_at(rig, b, gap, on_b, poses))
         # links of a tree are turned by their carriers, and have many rows as it is
-        if -FACE <= gap <= FACE and (is_alone(geo, skel, search_out.avatars, a) or is_alone(geo, skel, search_out.avatars, b)):
-            count, n = manifold(poses.vertices, geo.shapes, a, b, n, on_a, on_b, gap - allowed, FACE, points)
+        if -FACE <= gap <= FACE and (is_alone(rig, a) or is_alone(rig, b)):
+            count, n = manifold(poses.vertices, rig.geo.shapes, a, b, n, on_a, on_b, gap - allowed, FACE, points)
         for k in range(count):
             missing = needed - points.gap[k] - allowed
-            add_contact(
-                geo, skel, search_out.avatars, a, b, n, row(points.on_a, k), row(points.on_b, k), missing, poses,
-                search_out.state.axes, s.still, s,
-            )
-    return excess_of(geo, a, b, gap, margin, is_strict)
+            add_contact(rig, a, b, n, row(points.on_a, k), row(points.on_b, k), missing, poses, search_out.state.axes, s.still, s)
+    return excess_of(rig.geo, a, b, gap, margin, is_strict)
 
 
 @kernel
-def value_at(skel: Skeleton, posture: Posture, poses: Poses, search_out: FreeSearch) -> float:
+def value_at(rig: Rig, posture: Posture, poses: Poses, search_out: FreeSearch) -> float:
     """Return the objective f of all avatars that are solved for, at a posture whose poses are at hand."""
     total, s, state = 0.0, search_out.scratch, search_out.state
     for avatar in range(search_out.avatars.first_link.shape[0] - 1):
         if search_out.is_solved[avatar] > 0:
-            tangent_error(skel, search_out.avatars, avatar, posture, s.target, s.objective.error)
-            locate(skel, search_out.avatars, avatar, state.tracker_before, state.tracking, s.objective)
-            value, _ = value_of(skel, search_out.avatars, avatar, state, poses, s.objective)
+            tangent_error(rig, avatar, posture, s.target, s.objective.error)
+            locate(rig, avatar, state.tracker_before, state.tracking, s.objective)
+            value, _ = value_of(rig, avatar, state, poses, s.objective)
             total += value
     return total
 
 
 @kernel
-def solve_step(geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, pull: float, search_out: FreeSearch) -> float:
+def solve_step(rig: Rig, posture: Posture, poses: Poses, pull: float, search_out: FreeSearch) -> float:
     """Solve for the QP's step from a posture, with `pull` as the share of the way to the target; return its largest part."""
     s, state, avatars, count = search_out.scratch, search_out.state, search_out.avatars, 0
     for avatar in range(avatars.first_link.shape[0] - 1):
         if s.is_active[avatar] == 0:
             continue
         s.members[count], count = avatar, count + 1
-        model(skel, avatars, avatar, state, poses, s.objective)
-        bound_step(skel, avatars, avatar, posture, state.budget, s)
+        model(rig, avatar, state, poses, s.objective)
+        bound_step(rig, avatar, posture, state.budget, s)
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
             s.objective.newton[j] *= pull
     for _ in range(3):
-        solve_qp(skel, avatars, 0, count, FINE * SETTLED, state, s)
+        solve_qp(rig, 0, count, FINE * SETTLED, state, s)
         beyond = 0
         for m in range(count):
-            beyond += check_limits(skel, avatars, s.members[m], posture, True, s)
+            beyond += check_limits(rig, s.members[m], posture, True, s)
         if beyond == 0:
             break
     most = 0.0
@@ -256,57 +254,57 @@ def solve_step(geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, pu
 
 
 @kernel
-def go(skel: Skeleton, posture_out: Posture, search_out: FreeSearch) -> None:
+def go(rig: Rig, posture_out: Posture, search_out: FreeSearch) -> None:
     """Take the step, and bring the posture back within the limits of its joints."""
     s, avatars = search_out.scratch, search_out.avatars
     for avatar in range(avatars.first_link.shape[0] - 1):
         if search_out.is_solved[avatar] > 0:
-            take_step(skel, avatars, avatar, s.step, posture_out)
-            clip_avatar(skel, avatars, avatar, posture_out, search_out.state.tracking, search_out.clipped)
-            copy_posture(skel, avatars, avatar, search_out.clipped, posture_out)
+            take_step(rig, avatar, s.step, posture_out)
+            clip_avatar(rig, avatar, posture_out, search_out.state.tracking, search_out.clipped)
+            copy_posture(rig, avatar, search_out.clipped, posture_out)
 
 
 @kernel
-def copy_solved(skel: Skeleton, posture: Posture, posture_out: Posture, search: FreeSearch) -> None:
+def copy_solved(rig: Rig, posture: Posture, posture_out: Posture, search: FreeSearch) -> None:
     """Copy the posture of all avatars that are solved for."""
     for avatar in range(search.avatars.first_link.shape[0] - 1):
         if search.is_solved[avatar] > 0:
-            copy_posture(skel, search.avatars, avatar, posture, posture_out)
+            copy_posture(rig, avatar, posture, posture_out)
 
 
 @kernel
 def is_better(
-    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, worst: float, least: float, search_out: FreeSearch
+    rig: Rig, posture: Posture, poses: Poses, worst: float, least: float, search_out: FreeSearch
 ) -> float:
     """Return the least f of a free posture so far; if this one is free and has less, it is kept as the best."""
     if not (worst >= 0.0):
         return least
-    value = value_at(skel, posture, poses, search_out)
+    value = value_at(rig, posture, poses, search_out)
     if value < least:
-        copy_solved(skel, posture, search_out.best, search_out)
+        copy_solved(rig, posture, search_out.best, search_out)
         return value
     return least
 
 
 @kernel
 def restore(
-    geo: Geometry, skel: Skeleton, margin: float, is_strict: bool, posture_out: Posture, poses_out: Poses, most: float,
+    rig: Rig, margin: float, is_strict: bool, posture_out: Posture, poses_out: Poses, most: float,
     search_out: FreeSearch,
 ) -> float:
     """Take whole steps until the posture is free and settled; return the least f of free postures on the way, else infinity."""
     pull, within, dropped, least = 1.0, NEAR, search_out.scratch.counts[DROPPED], inf
     for k in range(RESTORING):
-        place_solved(geo, skel, posture_out, poses_out, search_out)
-        worst = add_rows(geo, skel, poses_out, margin, is_strict, within, search_out)
-        least = is_better(geo, skel, posture_out, poses_out, worst, least, search_out)
+        place_solved(rig, posture_out, poses_out, search_out)
+        worst = add_rows(rig, poses_out, margin, is_strict, within, search_out)
+        least = is_better(rig, posture_out, poses_out, worst, least, search_out)
         if search_out.scratch.counts[DROPPED] > dropped:
             dropped, within = search_out.scratch.counts[DROPPED], 0.5 * within
-        step = solve_step(geo, skel, posture_out, poses_out, pull, search_out)
+        step = solve_step(rig, posture_out, poses_out, pull, search_out)
         if worst >= 0.0 and (step < SETTLED or pull < 1.0):
             break
-        if k >= WHOLE_PULLS and value_at(skel, posture_out, poses_out, search_out) > FAR * most:
+        if k >= WHOLE_PULLS and value_at(rig, posture_out, poses_out, search_out) > FAR * most:
             break
-        go(skel, posture_out, search_out)
+        go(rig, posture_out, search_out)
         if k >= WHOLE_PULLS:
             pull *= FADING
     return least
@@ -314,25 +312,25 @@ def restore(
 
 @kernel
 def descend(
-    geo: Geometry, skel: Skeleton, margin: float, is_strict: bool, posture_out: Posture, poses_out: Poses, least: float,
+    rig: Rig, margin: float, is_strict: bool, posture_out: Posture, poses_out: Poses, least: float,
     search_out: FreeSearch,
 ) -> float:
     """Descend from the best posture, which is free, to one with less f by steps that keep it free; return the f reached."""
     for _ in range(DESCENDING):
-        copy_solved(skel, search_out.best, posture_out, search_out)
-        place_solved(geo, skel, posture_out, poses_out, search_out)
-        add_rows(geo, skel, poses_out, margin, is_strict, NEAR, search_out)
-        step, before = solve_step(geo, skel, posture_out, poses_out, 1.0, search_out), least
+        copy_solved(rig, search_out.best, posture_out, search_out)
+        place_solved(rig, posture_out, poses_out, search_out)
+        add_rows(rig, poses_out, margin, is_strict, NEAR, search_out)
+        step, before = solve_step(rig, posture_out, poses_out, 1.0, search_out), least
         for _ in range(SHARES):
             if not (step >= SETTLED):
                 break
-            go(skel, posture_out, search_out)
-            place_solved(geo, skel, posture_out, poses_out, search_out)
-            worst = add_rows(geo, skel, poses_out, margin, is_strict, margin, search_out)
-            least = is_better(geo, skel, posture_out, poses_out, worst, least, search_out)
+            go(rig, posture_out, search_out)
+            place_solved(rig, posture_out, poses_out, search_out)
+            worst = add_rows(rig, poses_out, margin, is_strict, margin, search_out)
+            least = is_better(rig, posture_out, poses_out, worst, least, search_out)
             if least < before:
                 break
-            copy_solved(skel, search_out.best, posture_out, search_out)
+            copy_solved(rig, search_out.best, posture_out, search_out)
             for j in range(search_out.scratch.step.shape[0]):
                 search_out.scratch.step[j] *= 0.5
             step *= 0.5
@@ -345,32 +343,33 @@ def descend(
 def aim(world: Index, search: Index) -> None:
     """Make the posture of the world, where all avatars are placed, the target of the search."""
     w, own = view_arena(world, WorldParts), view_arena(search, FreeSearch)
+    rig = Rig(w.geometry, w.skeleton, own.avatars)
     budget = own.state.budget
     budget.move[:], budget.turn[:], budget.moved[:], budget.turned[:] = FARTHEST_STEP, FARTHEST_STEP, 0.0, 0.0
     for avatar in range(own.avatars.first_link.shape[0] - 1):
-        clip_avatar(w.skeleton, own.avatars, avatar, w.posture, own.state.tracking, own.scratch.target)
-        copy_posture(w.skeleton, own.avatars, avatar, w.posture, own.state.tracker_before)
-        copy_posture(w.skeleton, own.avatars, avatar, w.posture, own.best)
+        clip_avatar(rig, avatar, w.posture, own.state.tracking, own.scratch.target)
+        copy_posture(rig, avatar, w.posture, own.state.tracker_before)
+        copy_posture(rig, avatar, w.posture, own.best)
         own.state.tracking.is_located[avatar] = 0
-        carry_avatar(w.skeleton, own.avatars, avatar, w.posture, own.scratch.still, w.poses, own.state.axes)
-        place_avatar(w.geometry, w.skeleton, own.avatars, avatar, w.poses)
+        carry_avatar(rig, avatar, w.posture, own.scratch.still, w.poses, own.state.axes)
+        place_avatar(rig, avatar, w.poses)
 
 
 @kernel
-def is_apart(geo: Geometry, skel: Skeleton, poses: Poses, margin: float, is_strict: bool, search: FreeSearch) -> bool:
+def is_apart(rig: Rig, poses: Poses, margin: float, is_strict: bool, search: FreeSearch) -> bool:
     """Return True if all pairs have the gaps that they need; it ends at the first one that does not."""
     avatars = search.avatars
-    for b in range(skel.first, poses.position.shape[0]):
-        if search.is_solved[avatars.avatar[b - skel.first]] == 0 or search.is_seen[b] == 0:
+    for b in range(rig.skel.first, poses.position.shape[0]):
+        if search.is_solved[avatars.avatar[b - rig.skel.first]] == 0 or search.is_seen[b] == 0:
             continue
         for other in range(poses.position.shape[0]):
-            if not meet(poses.hulls, poses.hulls, b, other, margin) or not is_looked_at(geo, skel, search, b, other):
+            if not meet(poses.hulls, poses.hulls, b, other, margin) or not is_looked_at(rig, search, b, other):
                 continue
-            for one in range(geo.first_shape[b], geo.first_shape[b + 1]):
-                for two in range(geo.first_shape[other], geo.first_shape[other + 1]):
+            for one in range(rig.geo.first_shape[b], rig.geo.first_shape[b + 1]):
+                for two in range(rig.geo.first_shape[other], rig.geo.first_shape[other + 1]):
                     if meet(poses.boxes, poses.boxes, one, two, margin):
-                        gap, _, _, _ = gap_of(geo, poses, one, two, margin, search.scratch)
-                        if not (excess_of(geo, one, two, gap, margin, is_strict) >= 0.0):
+                        gap, _, _, _ = gap_of(rig.geo, poses, one, two, margin, search.scratch)
+                        if not (excess_of(rig.geo, one, two, gap, margin, is_strict) >= 0.0):
                             return False
     return True
 
@@ -379,15 +378,17 @@ def is_apart(geo: Geometry, skel: Skeleton, poses: Poses, margin: float, is_stri
 def is_free_at(world: Index, search: Index, margin: float, is_strict: bool) -> bool:
     """Return True if the posture of the world is free; its poses are left in the world."""
     w, own = view_arena(world, WorldParts), view_arena(search, FreeSearch)
-    place_solved(w.geometry, w.skeleton, w.posture, w.poses, own)
-    return is_apart(w.geometry, w.skeleton, w.poses, margin, is_strict, own)
+    rig = Rig(w.geometry, w.skeleton, own.avatars)
+    place_solved(rig, w.posture, w.poses, own)
+    return is_apart(rig, w.poses, margin, is_strict, own)
 
 
 @entry_kernel
 def value_of_posture(world: Index, search: Index) -> float:
     """Return the f of the posture of the world, whose poses are at hand."""
     w, own = view_arena(world, WorldParts), view_arena(search, FreeSearch)
-    return value_at(w.skeleton, w.posture, w.poses, own)
+    rig = Rig(w.geometry, w.skeleton, own.avatars)
+    return value_at(rig, w.posture, w.poses, own)
 
 
 @entry_kernel
@@ -395,8 +396,9 @@ def search_from(world: Index, search: Index, margin: float, is_strict: bool, mos
     """Return the f of the free posture that is found from the posture of the world, and left in `best`; infinite where none is
     with less than about `most`. And the work, in units of about a microsecond, counted so that results repeat."""
     w, own = view_arena(world, WorldParts), view_arena(search, FreeSearch)
+    rig = Rig(w.geometry, w.skeleton, own.avatars)
     own.scratch.counts[:] = 0
-    least = restore(w.geometry, w.skeleton, margin, is_strict, w.posture, w.poses, most, own)
+    least = restore(rig, margin, is_strict, w.posture, w.poses, most, own)
     if least < FAR * most:
-        least = descend(w.geometry, w.skeleton, margin, is_strict, w.posture, w.poses, least, own)
+        least = descend(rig, margin, is_strict, w.posture, w.poses, least, own)
     return least, work_done(own.scratch)

@@ -13,11 +13,11 @@ from math import sqrt
 
 from avatarsim.ik.couplings import fold_metric
 from avatarsim.ik.kinematics import parts_of
-from avatarsim.ik.state import Avatars, IkState, Objective, Tracking
+from avatarsim.ik.state import Avatars, IkState, Objective, Rig, Tracking
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.couplings import fold
 from avatarsim.model.geometry import Array, Poses
-from avatarsim.model.skeleton import BALL, FREE, HINGES, SLIDE, Posture, Skeleton, translations
+from avatarsim.model.skeleton import BALL, FREE, HINGES, SLIDE, Posture, translations
 from avatarsim.spatial.tangent import about, columns, product, put_columns, turned
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, norm, put_row, row, scale, sub
 
@@ -27,10 +27,9 @@ stretch to the target and angles are lost; smaller: origins are farther from the
 
 
 @kernel
-def locate(
-    skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, tracking_out: Tracking, objective_out: Objective
-) -> None:
+def locate(rig: Rig, avatar: int, tracker: Posture, tracking_out: Tracking, objective_out: Objective) -> None:
     """Compute origins and rotations of the links at the tracker's posture, once a frame: forward kinematics without shapes."""
+    skel, avatars = rig.skel, rig.avatars
     if tracking_out.is_located[avatar] > 0:
         return
     tracking_out.is_located[avatar], target = 1, tracker
@@ -61,13 +60,12 @@ def locate(
 
 
 @kernel
-def draw_near(
-    skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, poses: Poses, objective_out: Objective
-) -> None:
+def draw_near(rig: Rig, avatar: int, state: IkState, poses: Poses, objective_out: Objective) -> None:
     """Draw a target whose root is farther than the loss radius from the shown one to that distance, all link origins with it.
 
     A target beyond a wall, or one that the avatar is still on its way to, is then followed in its posture, and pulls no harder
     than one that is near: limbs do not stretch after it."""
+    skel, avatars = rig.skel, rig.avatars
     c, first = objective_out, avatars.first_link[avatar]
     way = sub(row(c.origin, first), row(poses.position, skel.first + first))
     # the target's latest motion is followed in full
@@ -79,13 +77,12 @@ def draw_near(
 
 
 @kernel
-def value_of(
-    skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, poses: Poses, objective: Objective
-) -> tuple[float, float]:
+def value_of(rig: Rig, avatar: int, state: IkState, poses: Poses, objective: Objective) -> tuple[float, float]:
     """Return f [m^2] of an avatar at `poses`, whose tangent error is at hand; and the distance [m] of the farthest origin."""
+    avatars = rig.avatars
     total, far, d = 0.0, 0.0, LOSS_RADIUS * state.tracking.reach[avatar]
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        r = norm(sub(row(objective.origin, link), row(poses.position, skel.first + link)))
+        r = norm(sub(row(objective.origin, link), row(poses.position, rig.skel.first + link)))
         total += avatars.link_weight[link] * (0.5 * r * r if r <= d else d * (r - 0.5 * d))
         far = max(far, r)
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
@@ -94,22 +91,21 @@ def value_of(
 
 
 @kernel
-def model(
-    skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, poses: Poses, objective_out: Objective
-) -> None:
+def model(rig: Rig, avatar: int, state: IkState, poses: Poses, objective_out: Objective) -> None:
     """Compute gradient and factored metric of an avatar at `poses`, and the step `newton` (nd) to the least of the model.
 
     The gradient alone decides where f is least; the metric only how the way there is shared out, and that it does not
     overshoot."""
-    locate(skel, avatars, avatar, state.tracker_before, state.tracking, objective_out)
-    draw_near(skel, avatars, avatar, state, poses, objective_out)
-    gather(skel, avatars, avatar, state, poses, objective_out)
-    fall(skel, avatars, avatar, state.axes, objective_out)
-    note_motions(skel, avatars, avatar, poses, state.axes, objective_out)
-    fill_metric(skel, avatars, avatar, poses, state.axes, state.tracking.reach[avatar], objective_out)
+    avatars = rig.avatars
+    locate(rig, avatar, state.tracker_before, state.tracking, objective_out)
+    draw_near(rig, avatar, state, poses, objective_out)
+    gather(rig, avatar, state, poses, objective_out)
+    fall(rig, avatar, state.axes, objective_out)
+    note_motions(rig, avatar, poses, state.axes, objective_out)
+    fill_metric(rig, avatar, poses, state.axes, state.tracking.reach[avatar], objective_out)
     first, last = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
-    fold(skel, first, last, objective_out.newton)
-    fold_metric(skel, avatars, avatar, objective_out.factor)
+    fold(rig.skel, first, last, objective_out.newton)
+    fold_metric(rig, avatar, objective_out.factor)
     decompose(avatars, first, last, objective_out.factor)
     solve_up(avatars, first, last, objective_out.factor, objective_out.newton)
     solve_down(avatars, first, last, objective_out.factor, objective_out.newton)
@@ -122,9 +118,10 @@ def stretch(force: Vec3, arm: Vec3) -> float:
 
 
 @kernel
-def gather(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, poses: Poses, objective_out: Objective) -> None:
+def gather(rig: Rig, avatar: int, state: IkState, poses: Poses, objective_out: Objective) -> None:
     """Sum up for each link with all it carries, about its own origin: weight of origins, their first and second moments, the sum
     of their weighted ways to the target and its moments, contact forces, and the inertia that these and the pulls add."""
+    skel, avatars = rig.skel, rig.avatars
     c, d = objective_out, LOSS_RADIUS * state.tracking.reach[avatar]
     low, high, bodies = avatars.first_link[avatar], avatars.first_link[avatar + 1], skel.first
     for link in range(low, high):
@@ -159,8 +156,9 @@ def gather(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, poses:
 
 
 @kernel
-def fall(skel: Skeleton, avatars: Avatars, avatar: int, axes: Rows, objective_out: Objective) -> None:
+def fall(rig: Rig, avatar: int, axes: Rows, objective_out: Objective) -> None:
     """Write how fast f falls with each degree of freedom, minus its gradient, into newton (nd)."""
+    skel, avatars = rig.skel, rig.avatars
     c, b = objective_out, objective_out.twist
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         d, last = skel.first_dof[link], skel.first_dof[link + 1]
@@ -177,8 +175,9 @@ def fall(skel: Skeleton, avatars: Avatars, avatar: int, axes: Rows, objective_ou
 
 
 @kernel
-def note_motions(skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, axes: Rows, objective_out: Objective) -> None:
+def note_motions(rig: Rig, avatar: int, poses: Poses, axes: Rows, objective_out: Objective) -> None:
     """Write the motion of the tree by each degree of freedom: its turning, and the velocity of the place where the root is."""
+    skel, avatars = rig.skel, rig.avatars
     motion, root = objective_out.motion, avatars.first_link[avatar]
     for link in range(root, avatars.first_link[avatar + 1]):
         d = skel.first_dof[link]
@@ -193,10 +192,9 @@ def note_motions(skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, ax
 
 
 @kernel
-def fill_metric(
-    skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, axes: Rows, reach: float, objective_out: Objective
-) -> None:
+def fill_metric(rig: Rig, avatar: int, poses: Poses, axes: Rows, reach: float, objective_out: Objective) -> None:
     """Fill the metric M before it is factored: a row per degree, from its motion and the masses that it carries."""
+    skel, avatars = rig.skel, rig.avatars
     c, t, root = objective_out, objective_out.second, avatars.first_link[avatar]
     path, depth, factor, motion = avatars.path, avatars.depth, objective_out.factor, objective_out.motion
     for link in range(root, avatars.first_link[avatar + 1]):

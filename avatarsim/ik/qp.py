@@ -17,10 +17,10 @@ from math import sqrt
 from avatarsim.ik.constraints import along_row, clear_row
 from avatarsim.ik.motion_budget import keep_budget
 from avatarsim.ik.objective import solve_down, solve_up
-from avatarsim.ik.state import MOST_PRESSED, PRODUCTS, SWEEPS, Avatars, ConstraintRows, IkScratch, IkState, RowKind
+from avatarsim.ik.state import MOST_PRESSED, PRODUCTS, SWEEPS, Avatars, ConstraintRows, IkScratch, IkState, Rig, RowKind
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.couplings import follow_leaders
-from avatarsim.model.skeleton import FREE, Skeleton
+from avatarsim.model.skeleton import FREE
 from avatarsim.tolerances import JUDGED, NOTHING, REGULAR
 
 CHANGES = 24
@@ -158,24 +158,23 @@ BOUNDS_PER_ROUND = 8
 
 
 @kernel
-def solve_qp(
-    skel: Skeleton, avatars: Avatars, first: int, last: int, tolerance: float, state: IkState, scratch_out: IkScratch
-) -> None:
+def solve_qp(rig: Rig, first: int, last: int, tolerance: float, state: IkState, scratch_out: IkScratch) -> None:
     """Solve for the step of members first .. last by the model of each, the rows, and the bounds; `tolerance` [m] ends sweeps."""
+    avatars = rig.avatars
     s = scratch_out
     for m in range(first, last):
         for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
             s.step[j] = s.objective.newton[j]
-    add_broken_bounds(skel, avatars, first, last, state, s)
+    add_broken_bounds(rig, first, last, state, s)
     for _ in range(CUTS):
         solve_dual(avatars, first, last, tolerance, s)
-        if add_broken_bounds(skel, avatars, first, last, state, s) == 0:
+        if add_broken_bounds(rig, first, last, state, s) == 0:
             break
     for m in range(first, last):
         for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
             s.step[j] = min(max(s.step[j], s.low[j]), s.high[j])
-        keep_budget(skel, avatars, s.members[m], state.budget, True, s.step)
-        follow_leaders(skel, avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1], s.step)
+        keep_budget(rig, s.members[m], state.budget, True, s.step)
+        follow_leaders(rig.skel, avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1], s.step)
 
 
 @kernel
@@ -281,10 +280,9 @@ def assemble(avatars: Avatars, first: int, last: int, scratch_out: IkScratch) ->
 
 
 @kernel
-def add_broken_bounds(
-    skel: Skeleton, avatars: Avatars, first: int, last: int, state: IkState, scratch_out: IkScratch
-) -> int:
+def add_broken_bounds(rig: Rig, first: int, last: int, state: IkState, scratch_out: IkScratch) -> int:
     """Add rows for bounds and budgets that the step breaks; return their number."""
+    skel, avatars = rig.skel, rig.avatars
     s, r, b, added = scratch_out, scratch_out.rows, state.budget, 0
     for m in range(first, last):
         avatar, more = s.members[m], 0

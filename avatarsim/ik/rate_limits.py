@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from avatarsim.ik.kinematics import tangent_error
 from avatarsim.ik.make import empty_posture, make_solver
-from avatarsim.ik.state import Avatars, IkScratch, PairCache, Tracking
+from avatarsim.ik.state import Avatars, IkScratch, PairCache, Rig, Tracking
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import IndexLine, Line
 from avatarsim.model.skeleton import BALL, FREE, Posture, Skeleton
@@ -220,11 +220,11 @@ def caught_up(lag: float, change: float) -> float:
 
 
 @kernel
-def choose_wanted(skel: Skeleton, braking_out: Braking) -> None:
+def choose_wanted(rig: Rig, braking_out: Braking) -> None:
     """Set the wanted step: the target's own since the last call, and a part that catches up with it; within limits."""
     b = braking_out
-    tangent_error(skel, b.avatars, 0, b.shown, b.incoming, b.error)
-    tangent_error(skel, b.avatars, 0, b.shown, b.target, b.wanted)
+    tangent_error(rig, 0, b.shown, b.incoming, b.error)
+    tangent_error(rig, 0, b.shown, b.target, b.wanted)
     for g in range(b.first.shape[0]):
         first, last, square = b.first[g], b.last[g], 0.0
         lag = length_of(b.wanted, first, last)

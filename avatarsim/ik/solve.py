@@ -4,12 +4,12 @@ from avatarsim.ik.broad_phase import forget_near, form_islands, notice_bodies, s
 from avatarsim.ik.gaps import least_gap
 from avatarsim.ik.inertia import carry_momentum
 from avatarsim.ik.sqp_step import sqp_step, work_done
-from avatarsim.ik.state import Avatars, IkScratch, IkState
+from avatarsim.ik.state import IkScratch, IkState, Rig
 from avatarsim.ik.target import clip_to_limits, open_budgets
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Index
-from avatarsim.model.geometry import Geometry, Poses
-from avatarsim.model.skeleton import Posture, Skeleton
+from avatarsim.model.geometry import Poses
+from avatarsim.model.skeleton import Posture
 from avatarsim.settings import PostureSettings
 
 ARRIVED = 3e-2
@@ -19,8 +19,8 @@ smaller: second steps that show nothing."""
 
 @kernel
 def begin_frame(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, dt: float, moving: Index,
-    posture: Posture, poses: Poses, state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, tracker: Posture, dt: float, moving: Index, posture: Posture, poses: Poses,
+    state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Copy poses of moved bodies, clip the target, and open the budgets of a frame of dt [s].
 
@@ -28,27 +28,26 @@ def begin_frame(
     moving (nb): 1 for bodies that may have moved since the last call; empty if that is not known.
     """
     s, state = scratch_out, state_out
-    has_changed = notice_bodies(geo, skel, poses, moving, s)
+    has_changed = notice_bodies(rig.geo, rig.skel, poses, moving, s)
     if has_changed:
         forget_near(state)
-    sweep_all(geo, skel, avatars, poses, least_gap(settings.stand_off), s)
-    clip_to_limits(skel, avatars, tracker, state.tracking, s.target)
+    sweep_all(rig, poses, least_gap(settings.stand_off), s)
+    clip_to_limits(rig, tracker, state.tracking, s.target)
     if dt > 0.0:
         s.counts[:] = 0
-    form_islands(geo, skel, avatars, state, s)
+    form_islands(rig, state, s)
     if dt > 0.0:
-        open_budgets(skel, avatars, settings, tracker, dt, has_changed, state, s)
-        carry_momentum(skel, avatars, settings, dt, posture, state, s)
+        open_budgets(rig, settings, tracker, dt, has_changed, state, s)
+        carry_momentum(rig, settings, dt, posture, state, s)
 
 
 @kernel
 def solve(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture_out: Posture, poses_out: Poses,
-    state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, posture_out: Posture, poses_out: Poses, state_out: IkState, scratch_out: IkScratch
 ) -> None:
     """Move the posture towards the target by certified steps within the rest of the frame's budget."""
     s, state = scratch_out, state_out
-    first, count = 0, avatars.first_link.shape[0] - 1
+    first, count = 0, rig.avatars.first_link.shape[0] - 1
     while first < count:
         last = first + 1
         while last < count and state.tracking.island[s.members[last]] == state.tracking.island[s.members[first]]:
@@ -57,9 +56,7 @@ def solve(
         # an island that spends less leaves the rest to those after it
         most_work = work_done(s) + (settings.work - work_done(s)) * (last - first) // (count - first)
         for _ in range(settings.steps):
-            moved = sqp_step(
-                geo, skel, avatars, settings, posture_out, poses_out, first, last, most_work, state, s
-            )
+            moved = sqp_step(rig, settings, posture_out, poses_out, first, last, most_work, state, s)
             if moved < ARRIVED or went_straight(first, last, state, s) or work_done(s) >= most_work:
                 break
         first = last

@@ -34,12 +34,13 @@ from avatarsim.ik.state import (
     ConstraintRows,
     IkScratch,
     IkState,
+    Rig,
     RowKind,
 )
 from avatarsim.ik.target import largest
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.couplings import follow_leaders
-from avatarsim.model.geometry import Array, Geometry, Poses
+from avatarsim.model.geometry import Array, Poses
 from avatarsim.model.skeleton import Posture, Skeleton
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import add, put_row, row, scale
@@ -57,17 +58,17 @@ def forget_forces(avatars: Avatars, avatar: int, state_out: IkState) -> None:
 
 
 @kernel
-def note_forces(geo: Geometry, skel: Skeleton, avatars: Avatars, rows: ConstraintRows, state_out: IkState) -> None:
+def note_forces(rig: Rig, rows: ConstraintRows, state_out: IkState) -> None:
     """Add the forces of the contact rows of a solved step on each link."""
     s = state_out
     for k in range(rows.used[0]):
         if (rows.kind[k] != CONTACT and rows.kind[k] != FRICTION) or rows.multiplier[k] == 0.0:
             continue
         for side in range(2):
-            link = geo.body[rows.pair[k, side]] - skel.first
+            link = rig.geo.body[rows.pair[k, side]] - rig.skel.first
             if link < 0:
                 continue
-            push = rows.multiplier[k] / s.tracking.share[avatars.avatar[link]]
+            push = rows.multiplier[k] / s.tracking.share[rig.avatars.avatar[link]]
             force = scale(row(rows.normal, k), push if side == 0 else -push)
             arm = (rows.arm[k, 3 * side], rows.arm[k, 3 * side + 1], rows.arm[k, 3 * side + 2])
             put_row(s.force, link, add(row(s.force, link), force))
@@ -90,8 +91,8 @@ def work_done(scratch: IkScratch) -> int:
 
 @kernel
 def sqp_step(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture_out: Posture, poses_out: Poses,
-    first: int, last: int, most_work: int, state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, posture_out: Posture, poses_out: Poses, first: int, last: int, most_work: int,
+    state_out: IkState, scratch_out: IkScratch,
 ) -> float:
     """Take one certified step of members first .. last; return its largest part [rad or m]."""
     s, state = scratch_out, state_out
@@ -101,19 +102,17 @@ def sqp_step(
     for m in range(first, last):
         avatar = s.members[m]
         state.tracking.has_model[avatar] = 0
-        tangent_error(skel, avatars, avatar, posture_out, s.target, s.objective.error)
-        shorten_own(skel, avatars, avatar, state.tracking.reach[avatar], s.objective)
-        bound_step(skel, avatars, avatar, posture_out, state.budget, s)
+        tangent_error(rig, avatar, posture_out, s.target, s.objective.error)
+        shorten_own(rig, avatar, state.tracking.reach[avatar], s.objective)
+        bound_step(rig, avatar, posture_out, state.budget, s)
     for attempt in range(ATTEMPTS):
         if attempt == 2:
             s.counts[BACKED] += 1
         for m in range(first, last if attempt >= 2 else first):
             if state.tracking.has_failed[s.members[m]] > 0:
                 state.tracking.has_arrived[s.members[m]] = 0
-                scale_step(avatars, s.members[m], BACK_OFF, s.objective.newton)
-        failed = try_qp(
-            geo, skel, avatars, settings, posture_out, poses_out, first, last, attempt > 0, most_work, state, s
-        )
+                scale_step(rig.avatars, s.members[m], BACK_OFF, s.objective.newton)
+        failed = try_qp(rig, settings, posture_out, poses_out, first, last, attempt > 0, most_work, state, s)
         if failed == 0:
             break
         for k in range(s.failed.used[0]):
@@ -121,35 +120,33 @@ def sqp_step(
         if work_done(s) > most_work:
             s.counts[OUT_OF_WORK] += 1
             break
-    keep_touching(geo, skel, avatars, state, s)
+    keep_touching(rig, state, s)
     if failed > 0:
-        hold_failed(geo, skel, avatars, settings, posture_out, poses_out, first, last, state, s)
-    note_contacts(geo, skel, avatars, first, last, state, s)
-    return commit_step(geo, skel, avatars, first, last, posture_out, poses_out, state, s)
+        hold_failed(rig, settings, posture_out, poses_out, first, last, state, s)
+    note_contacts(rig, first, last, state, s)
+    return commit_step(rig, first, last, posture_out, poses_out, state, s)
 
 
 @kernel
 def try_qp(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture: Posture, poses: Poses, first: int,
-    last: int, is_soft: bool, most_work: int, state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, posture: Posture, poses: Poses, first: int, last: int, is_soft: bool, most_work: int,
+    state_out: IkState, scratch_out: IkScratch,
 ) -> int:
     """Solve and certify with growing rows; return the number of failures left."""
     s, failed, tolerance = scratch_out, 0, FINE * least_gap(settings.stand_off)
-    add_touching(geo, skel, avatars, settings, is_soft, poses, state_out, s)
+    add_touching(rig, settings, is_soft, poses, state_out, s)
     for round_ in range(CUTS + 1):
         for _ in range(CUTS):
-            choose_step(geo, skel, avatars, settings, poses, first, last, tolerance, state_out, s)
+            choose_step(rig, settings, poses, first, last, tolerance, state_out, s)
             s.counts[QPS] += 1
-            if not carry_trial(geo, skel, avatars, settings, posture, poses, first, last, is_soft, state_out, s):
+            if not carry_trial(rig, settings, posture, poses, first, last, is_soft, state_out, s):
                 break
         for m in range(first, last):
             state_out.tracking.is_certified[s.members[m]] = 0
-            place_avatar(geo, skel, avatars, s.members[m], s.trial)
+            place_avatar(rig, s.members[m], s.trial)
         s.counts[FORWARDS] += last - first
         is_last = round_ == CUTS or work_done(s) > most_work
-        failed = certify(
-            geo, skel, avatars, settings, posture, poses, first, last, not is_last, is_soft, state_out, s
-        )
+        failed = certify(rig, settings, posture, poses, first, last, not is_last, is_soft, state_out, s)
         if failed == 0 or is_last:
             break
     return failed
@@ -157,8 +154,8 @@ def try_qp(
 
 @kernel
 def choose_step(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, poses: Poses, first: int, last: int,
-    tolerance: float, state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, poses: Poses, first: int, last: int, tolerance: float, state_out: IkState,
+    scratch_out: IkScratch,
 ) -> None:
     """Choose the straight way to the target where no row is in its way: there it is the least of the objective, and no metric is
     needed. Else the QP's step."""
@@ -166,30 +163,31 @@ def choose_step(
     if state.tracking.has_model[s.members[first]] == 0:
         is_legal = True
         for m in range(first, last):
-            straight_step(skel, avatars, s.members[m], state, s)
+            straight_step(rig, s.members[m], state, s)
             is_legal = is_legal and state.tracking.is_legal[s.members[m]] > 0
             state.tracking.is_straight[s.members[m]] = 1
-        if is_legal and not breaks_rows(avatars, s):
+        if is_legal and not breaks_rows(rig.avatars, s):
             return
         for m in range(first, last):
-            model(skel, avatars, s.members[m], state, poses, s.objective)
-        add_friction(geo, skel, avatars, settings, last - first, poses, state, s)
+            model(rig, s.members[m], state, poses, s.objective)
+        add_friction(rig, settings, last - first, poses, state, s)
         for m in range(first, last):
-            resist(skel, avatars, s.members[m], state, s.objective)
+            resist(rig, s.members[m], state, s.objective)
             state.tracking.has_model[s.members[m]], state.tracking.has_arrived[s.members[m]] = 1, 0
             state.tracking.is_straight[s.members[m]] = 0
-    solve_qp(skel, avatars, first, last, tolerance, state, s)
+    solve_qp(rig, first, last, tolerance, state, s)
 
 
 @kernel
-def straight_step(skel: Skeleton, avatars: Avatars, avatar: int, state_out: IkState, scratch_out: IkScratch) -> None:
+def straight_step(rig: Rig, avatar: int, state_out: IkState, scratch_out: IkScratch) -> None:
     """Set the way to the target, with inertia, each joint and root as far along its own as the budget lets it go."""
+    skel, avatars = rig.skel, rig.avatars
     step, error, arrives = scratch_out.step, scratch_out.objective.error, state_out.tracking.is_legal[avatar]
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
         step[j] = error[j]
     resist_straight(avatars, avatar, state_out, scratch_out)
     first, end = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
-    keep_budget(skel, avatars, avatar, state_out.budget, False, step)
+    keep_budget(rig, avatar, state_out.budget, False, step)
     share_budget(skel, first, end, step)
     for j in range(first, end):
         if step[j] != error[j]:
@@ -217,10 +215,11 @@ def scale_step(avatars: Avatars, avatar: int, factor: float, step_out: Array) ->
 
 @kernel
 def hold_failed(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture: Posture, poses: Poses, first: int,
-    last: int, state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, posture: Posture, poses: Poses, first: int, last: int, state_out: IkState,
+    scratch_out: IkScratch,
 ) -> None:
     """Hold avatars that fail where they are, where everything is known to be free, until the trial of the others certifies."""
+    avatars = rig.avatars
     s = scratch_out
     for _ in range(last - first):
         for m in range(first, last):
@@ -229,43 +228,41 @@ def hold_failed(
                 state_out.tracking.has_arrived[avatar], state_out.tracking.is_certified[avatar] = 0, 0
                 s.counts[HELD] += 1
                 scale_step(avatars, avatar, 0.0, s.step)
-                try_step(geo, skel, avatars, avatar, posture, s)
-        if certify(geo, skel, avatars, settings, posture, poses, first, last, False, False, state_out, s) == 0:
+                try_step(rig, avatar, posture, s)
+        if certify(rig, settings, posture, poses, first, last, False, False, state_out, s) == 0:
             return
     for m in range(first, last):
         state_out.tracking.has_arrived[s.members[m]] = 0
         scale_step(avatars, s.members[m], 0.0, s.step)
-        try_step(geo, skel, avatars, s.members[m], posture, s)
+        try_step(rig, s.members[m], posture, s)
 
 
 @kernel
-def note_contacts(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, first: int, last: int, state_out: IkState, scratch: IkScratch
-) -> None:
+def note_contacts(rig: Rig, first: int, last: int, state_out: IkState, scratch: IkScratch) -> None:
     """Keep the active contacts of an island, and their forces on its links: for the next step, and for the coupling."""
     c, r, kept = state_out.contacts, scratch.rows, 0
     for k in range(c.used[0]):
-        if not is_solved_for(geo, skel, avatars, c.pair[k, 0], c.pair[k, 1], scratch):
+        if not is_solved_for(rig, c.pair[k, 0], c.pair[k, 1], scratch):
             c.pair[kept, 0], c.pair[kept, 1], c.multiplier[kept] = c.pair[k, 0], c.pair[k, 1], c.multiplier[k]
             put_row(c.normal, kept, row(c.normal, k))
             kept += 1
     for m in range(first, last):
-        forget_forces(avatars, scratch.members[m], state_out)
+        forget_forces(rig.avatars, scratch.members[m], state_out)
     for k in range(r.used[0]):
         if r.kind[k] == CONTACT and r.multiplier[k] > 0.0 and kept < c.multiplier.shape[0]:
             c.pair[kept, 0], c.pair[kept, 1], c.multiplier[kept] = r.pair[k, 0], r.pair[k, 1], r.multiplier[k]
             put_row(c.normal, kept, row(r.normal, k))
             kept += 1
     c.used[0] = kept
-    note_forces(geo, skel, avatars, r, state_out)
+    note_forces(rig, r, state_out)
 
 
 @kernel
 def commit_step(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, first: int, last: int, posture_out: Posture, poses_out: Poses,
-    state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, first: int, last: int, posture_out: Posture, poses_out: Poses, state_out: IkState, scratch_out: IkScratch
 ) -> float:
     """Make the trial of members first .. last the shown state; return the largest part of their step [rad or m]."""
+    avatars = rig.avatars
     s, most = scratch_out, 0.0
     for m in range(first, last):
         avatar = s.members[m]
@@ -277,19 +274,20 @@ def commit_step(
         most = max(most, moved)
         if moved == 0.0:
             continue
-        spend(skel, avatars, avatar, s.step, state_out.budget)
-        take_step(skel, avatars, avatar, s.step, posture_out)
-        copy_poses(geo, skel, avatars, avatar, s.trial, poses_out)
+        spend(rig, avatar, s.step, state_out.budget)
+        take_step(rig, avatar, s.step, posture_out)
+        copy_poses(rig, avatar, s.trial, poses_out)
         for j in range(low, high):
             put_row(state_out.axes, j, row(s.axes, j))
     if most > 0.0:
-        note_trail(skel, s)
+        note_trail(rig.skel, s)
     return most
 
 
 @kernel
-def copy_poses(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, trial: Poses, poses_out: Poses) -> None:
+def copy_poses(rig: Rig, avatar: int, trial: Poses, poses_out: Poses) -> None:
     """Copy the poses of an avatar's links, shapes and all."""
+    geo, skel, avatars = rig.geo, rig.skel, rig.avatars
     low, high = skel.first + avatars.first_link[avatar], skel.first + avatars.first_link[avatar + 1]
     for b in range(low, high):
         for i in range(3):

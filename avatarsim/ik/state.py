@@ -238,6 +238,14 @@ class Avatars(NamedTuple):
     friction: Grid
 
 
+class Rig(NamedTuple):
+    """Constants of a world as its avatars have them: the shapes, all trees, and each avatar's part of these."""
+
+    geo: Geometry
+    skel: Skeleton
+    avatars: Avatars
+
+
 class Budget(NamedTuple):
     """Motion that the avatars may make in this frame: turn (nl) [rad] of each joint, move (nl) [m] of each root or slide; turned,
     moved (nl) the used part of these along the path so far; slack (2) [m, rad] of a step of the QP beyond its budget."""

@@ -4,30 +4,29 @@ from math import exp, floor, pi
 
 from avatarsim.ik.kinematics import tangent_error
 from avatarsim.ik.motion_budget import AT_REST, open_budget
-from avatarsim.ik.state import Avatars, IkScratch, IkState, Tracking
+from avatarsim.ik.state import IkScratch, IkState, Rig, Tracking
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.couplings import set_followers
 from avatarsim.model.geometry import Array
 from avatarsim.model.joint_limits import LEFT_ALONE, has_cone, inside_cone, surely_inside
-from avatarsim.model.skeleton import BALL, FREE, HINGES, Posture, Skeleton, has_angles
+from avatarsim.model.skeleton import BALL, FREE, HINGES, Posture, has_angles
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import put_row, row
 
 
 @kernel
-def clip_to_limits(skel: Skeleton, avatars: Avatars, tracker: Posture, tracking_out: Tracking, target_out: Posture) -> None:
+def clip_to_limits(rig: Rig, tracker: Posture, tracking_out: Tracking, target_out: Posture) -> None:
     """Clip the tracker's posture: each joint to the nearest place inside its own limits, followers to where their leaders have
     them; mark avatars that keep them all."""
-    for avatar in range(avatars.first_link.shape[0] - 1):
-        clip_avatar(skel, avatars, avatar, tracker, tracking_out, target_out)
+    for avatar in range(rig.avatars.first_link.shape[0] - 1):
+        clip_avatar(rig, avatar, tracker, tracking_out, target_out)
 
 
 @kernel
-def clip_avatar(
-    skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, tracking_out: Tracking, target_out: Posture
-) -> None:
+def clip_avatar(rig: Rig, avatar: int, tracker: Posture, tracking_out: Tracking, target_out: Posture) -> None:
     """Clip the tracker's posture of one avatar."""
+    skel, avatars = rig.skel, rig.avatars
     tracking_out.is_legal[avatar] = 1
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         kind, turn = skel.kind[link], columns(tracker.turn, link)
@@ -49,8 +48,9 @@ def clip_avatar(
 
 
 @kernel
-def copy_posture(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, posture_out: Posture) -> None:
+def copy_posture(rig: Rig, avatar: int, posture: Posture, posture_out: Posture) -> None:
     """Copy the posture of one avatar."""
+    skel, avatars = rig.skel, rig.avatars
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         kind = skel.kind[link]
         if kind == FREE:
@@ -71,8 +71,9 @@ def largest(values: Array, first: int, last: int) -> float:
 
 
 @kernel
-def drop_whole_turns(skel: Skeleton, avatars: Avatars, avatar: int, way_out: Array) -> None:
+def drop_whole_turns(rig: Rig, avatar: int, way_out: Array) -> None:
     """Make the turns of hinges in a way (nd) at most half a turn: an angle that jumps by 2 pi means the same posture."""
+    skel, avatars = rig.skel, rig.avatars
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         for j in range(skel.first_dof[link], skel.first_dof[link + 1] if skel.kind[link] == HINGES else 0):
             way_out[j] -= 2.0 * pi * floor(way_out[j] / (2.0 * pi) + 0.5)
@@ -80,8 +81,8 @@ def drop_whole_turns(skel: Skeleton, avatars: Avatars, avatar: int, way_out: Arr
 
 @kernel
 def open_budgets(
-    skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, dt: float, has_changed: bool,
-    state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, tracker: Posture, dt: float, has_changed: bool, state_out: IkState,
+    scratch_out: IkScratch,
 ) -> None:
     """Open the budgets of a frame from how far the target went since the last one; islands are formed.
 
@@ -89,11 +90,12 @@ def open_budgets(
     target and tracker as ``target_before`` and ``tracker_before`` of the next.
 
     has_changed: whether a body that is no link moved, which may set an avatar free whose target holds still."""
+    avatars = rig.avatars
     s, tracking, least = state_out, state_out.tracking, AT_REST if has_changed else 0.0
     # ways since the last frame: of the clipped target, and of the tracker's own posture
     target_motion, tracker_motion, keeps = scratch_out.objective.target_motion, scratch_out.step, exp(-dt / settings.settle_time)
     for avatar in range(avatars.first_link.shape[0] - 1):
-        tangent_error(skel, avatars, avatar, s.target_before, scratch_out.target, target_motion)
+        tangent_error(rig, avatar, s.target_before, scratch_out.target, target_motion)
         speed = largest(target_motion, avatars.first_dof[avatar], avatars.first_dof[avatar + 1]) / dt
         tracking.speed[avatar] = max(speed, keeps * tracking.speed[avatar])
         # a body that one avatar sets free another may hold, so the fastest of an island speaks for all of it
@@ -104,11 +106,11 @@ def open_budgets(
         tracking.ease[avatar] = min(1.0, tracking.ease[avatar] + dt / settings.settle_time)
         fastest = min(AT_REST, max(least, tracking.speed[avatar])) * tracking.ease[avatar]
         if tracking.is_legal[avatar] > 0:
-            open_budget(skel, avatars, avatar, settings, dt, fastest, target_motion, target_motion, s.budget)
+            open_budget(rig, avatar, settings, dt, fastest, target_motion, target_motion, s.budget)
         else:
-            tangent_error(skel, avatars, avatar, s.tracker_before, tracker, tracker_motion)
-            drop_whole_turns(skel, avatars, avatar, tracker_motion)
-            open_budget(skel, avatars, avatar, settings, dt, fastest, tracker_motion, target_motion, s.budget)
-        copy_posture(skel, avatars, avatar, scratch_out.target, s.target_before)
-        copy_posture(skel, avatars, avatar, tracker, s.tracker_before)
+            tangent_error(rig, avatar, s.tracker_before, tracker, tracker_motion)
+            drop_whole_turns(rig, avatar, tracker_motion)
+            open_budget(rig, avatar, settings, dt, fastest, tracker_motion, target_motion, s.budget)
+        copy_posture(rig, avatar, scratch_out.target, s.target_before)
+        copy_posture(rig, avatar, tracker, s.tracker_before)
         tracking.is_located[avatar] = 0

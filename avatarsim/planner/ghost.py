@@ -10,11 +10,10 @@ from avatarsim.ik.motion_budget import SLACK, keep_budget
 from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
 from avatarsim.ik.solve import ARRIVED
 from avatarsim.ik.sqp_step import copy_poses, forget_forces, sqp_step
-from avatarsim.ik.state import FORWARDS, Avatars, forget_pairs
+from avatarsim.ik.state import FORWARDS, Rig, forget_pairs
 from avatarsim.ik.target import copy_posture, largest
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Geometry, Poses
-from avatarsim.model.skeleton import Skeleton
 from avatarsim.planner.state import Ghost, Plan
 from avatarsim.planner.tree import get_node
 from avatarsim.settings import PostureSettings
@@ -64,10 +63,9 @@ def copy_body(geo: Geometry, b: int, poses: Poses, poses_out: Poses) -> None:
 
 
 @kernel
-def notice_world(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, poses: Poses, ghost_out: Ghost
-) -> None:
+def notice_world(rig: Rig, settings: PostureSettings, avatar: int, poses: Poses, ghost_out: Ghost) -> None:
     """Reset the ghost's world as a slice begins: all but the avatar as it is shown, and nothing remembered of earlier slices."""
+    geo, skel, avatars = rig.geo, rig.skel, rig.avatars
     g, s = ghost_out, ghost_out.scratch
     for b in range(skel.first):
         if has_moved(poses, b, g):
@@ -83,10 +81,10 @@ def notice_world(
             continue
         for b in range(skel.first + avatars.first_link[other], skel.first + avatars.first_link[other + 1]):
             if has_moved(poses, b, g):
-                copy_poses(geo, skel, avatars, other, poses, g.poses)
-                copy_poses(geo, skel, avatars, other, poses, s.trial)
+                copy_poses(rig, other, poses, g.poses)
+                copy_poses(rig, other, poses, s.trial)
                 break
-        sweep_boxes(geo, skel, avatars, other, g.poses, least_gap(settings.stand_off), s)
+        sweep_boxes(rig, other, g.poses, least_gap(settings.stand_off), s)
     forget_pairs(g.state.pairs)
     forget_near(g.state)
     g.state.pairs.step[0] = 0
@@ -96,71 +94,72 @@ def notice_world(
 
 
 @kernel
-def put_ghost(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, ghost_out: Ghost) -> None:
+def put_ghost(rig: Rig, avatar: int, ghost_out: Ghost) -> None:
     """Put the ghost where its posture places it; its contacts from elsewhere are forgotten."""
     g = ghost_out
-    carry_avatar(skel, avatars, avatar, g.posture, g.scratch.still, g.poses, g.state.axes)
-    place_avatar(geo, skel, avatars, avatar, g.poses)
-    copy_poses(geo, skel, avatars, avatar, g.poses, g.scratch.trial)
+    carry_avatar(rig, avatar, g.posture, g.scratch.still, g.poses, g.state.axes)
+    place_avatar(rig, avatar, g.poses)
+    copy_poses(rig, avatar, g.poses, g.scratch.trial)
     g.state.touching.used[0], g.state.contacts.used[0] = 0, 0
     g.state.pairs.step[0] += 1
-    forget_forces(avatars, avatar, g.state)
+    forget_forces(rig.avatars, avatar, g.state)
     g.scratch.counts[FORWARDS] += 1
 
 
 @kernel
-def put_ghost_at(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, k: int, plan: Plan, ghost_out: Ghost) -> None:
+def put_ghost_at(rig: Rig, avatar: int, k: int, plan: Plan, ghost_out: Ghost) -> None:
     """Put the ghost at node k."""
-    get_node(skel, avatars, avatar, k, plan, ghost_out.posture)
-    put_ghost(geo, skel, avatars, avatar, ghost_out)
+    get_node(rig, avatar, k, plan, ghost_out.posture)
+    put_ghost(rig, avatar, ghost_out)
 
 
 @kernel
-def aim_ghost(skel: Skeleton, avatars: Avatars, avatar: int, k: int, plan: Plan, ghost_out: Ghost) -> None:
+def aim_ghost(rig: Rig, avatar: int, k: int, plan: Plan, ghost_out: Ghost) -> None:
     """Make node k the aim of the ghost."""
-    get_node(skel, avatars, avatar, k, plan, ghost_out.aim)
+    get_node(rig, avatar, k, plan, ghost_out.aim)
 
 
 @kernel
-def value_to_aim(skel: Skeleton, avatars: Avatars, avatar: int, ghost_out: Ghost) -> tuple[float, float]:
+def value_to_aim(rig: Rig, avatar: int, ghost_out: Ghost) -> tuple[float, float]:
     """Return objective [m^2] of the ghost towards its aim, and distance [m] of its farthest origin; keeps the tangent error."""
     g = ghost_out
     g.state.tracking.is_located[avatar] = 0
-    locate(skel, avatars, avatar, g.aim, g.state.tracking, g.scratch.objective)
-    tangent_error(skel, avatars, avatar, g.posture, g.aim, g.scratch.objective.error)
-    return value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
+    locate(rig, avatar, g.aim, g.state.tracking, g.scratch.objective)
+    tangent_error(rig, avatar, g.posture, g.aim, g.scratch.objective.error)
+    return value_of(rig, avatar, g.state, g.poses, g.scratch.objective)
 
 
 @kernel
-def set_carrot(skel: Skeleton, avatars: Avatars, avatar: int, strides: float, ghost_out: Ghost) -> None:
+def set_carrot(rig: Rig, avatar: int, strides: float, ghost_out: Ghost) -> None:
     """Set the target of the next step: on the straight way to the aim, as far as a step goes. A farther one would break the bound
     of every joint, each of them a row of the QP."""
+    avatars = rig.avatars
     g, s, b, t = ghost_out, ghost_out.scratch, ghost_out.state.budget, ghost_out.state.tracking
     turn, move = strides * STRIDE, strides * STRIDE * t.reach[avatar]
     b.slack[0], b.slack[1] = SLACK * move, SLACK * turn
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         b.turn[link], b.move[link], b.turned[link], b.moved[link] = turn, move, 0.0, 0.0
-    tangent_error(skel, avatars, avatar, g.posture, g.aim, s.step)
-    keep_budget(skel, avatars, avatar, b, False, s.step)
-    copy_posture(skel, avatars, avatar, g.posture, s.target)
-    take_step(skel, avatars, avatar, s.step, s.target)
+    tangent_error(rig, avatar, g.posture, g.aim, s.step)
+    keep_budget(rig, avatar, b, False, s.step)
+    copy_posture(rig, avatar, g.posture, s.target)
+    take_step(rig, avatar, s.step, s.target)
     t.is_located[avatar] = 0
-    locate(skel, avatars, avatar, s.target, t, s.objective)
+    locate(rig, avatar, s.target, t, s.objective)
     # a whole Newton step: nothing that the ghost does is shown
     t.is_legal[avatar], t.share[avatar], t.keep[avatar] = 1, 1.0, 0.0
 
 
 @kernel
 def step_ghost(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, strides: float, most_work: int,
-    value: float, ghost_out: Ghost,
+    rig: Rig, settings: PostureSettings, avatar: int, strides: float, most_work: int, value: float, ghost_out: Ghost
 ) -> tuple[int, float, float]:
     """Take one step towards the aim of so many strides, where the objective was `value` before; return its result, the objective
     after it, and how long the next step may be."""
+    avatars = rig.avatars
     g, reach = ghost_out, ghost_out.state.tracking.reach[avatar]
-    set_carrot(skel, avatars, avatar, strides, g)
-    moved = sqp_step(geo, skel, avatars, settings, g.posture, g.poses, 0, 1, most_work, g.state, g.scratch)
-    now, far = value_to_aim(skel, avatars, avatar, g)
+    set_carrot(rig, avatar, strides, g)
+    moved = sqp_step(rig, settings, g.posture, g.poses, 0, 1, most_work, g.state, g.scratch)
+    now, far = value_to_aim(rig, avatar, g)
     following = min(2.0 * strides, LONGEST) if g.scratch.rows.used[0] == 0 else 1.0
     if largest(g.scratch.objective.error, avatars.first_dof[avatar], avatars.first_dof[avatar + 1]) < ARRIVED:
         return REACHED, now, following

@@ -16,11 +16,10 @@ from avatarsim.ik.certify import certify
 from avatarsim.ik.kinematics import carry_avatar, tangent_error
 from avatarsim.ik.motion_budget import time_of
 from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
-from avatarsim.ik.state import FORWARDS, Avatars
+from avatarsim.ik.state import FORWARDS, Rig
 from avatarsim.ik.target import copy_posture
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.geometry import Geometry
-from avatarsim.model.skeleton import FREE, Posture, Skeleton
+from avatarsim.model.skeleton import FREE, Posture
 from avatarsim.planner.ghost import put_ghost
 from avatarsim.planner.state import GOAL_NODE, Ghost, Outcome, Phase, Plan
 from avatarsim.planner.tree import get_node
@@ -38,15 +37,14 @@ CANDIDATES = JOINTS * (1 + DIRECTIONS * RINGS)
 
 
 @kernel
-def place_candidate(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, number: int, shown: Posture, target: Posture, ghost_out: Ghost
-) -> bool:
+def place_candidate(rig: Rig, avatar: int, number: int, shown: Posture, target: Posture, ghost_out: Ghost) -> bool:
     """Put the ghost at a candidate; False without one of this number: without a free root, or at the target already."""
-    g, root = ghost_out, avatars.first_link[avatar]
+    skel = rig.skel
+    g, root = ghost_out, rig.avatars.first_link[avatar]
     joints, place = number % JOINTS, number // JOINTS
     if number > 0 and skel.kind[root] != FREE:
         return False
-    copy_posture(skel, avatars, avatar, target if joints == 0 else shown if joints == 1 else g.travel, g.posture)
+    copy_posture(rig, avatar, target if joints == 0 else shown if joints == 1 else g.travel, g.posture)
     if skel.kind[root] == FREE:
         for i in range(3):
             g.posture.root[root, i] = target.root[root, i]
@@ -63,33 +61,30 @@ def place_candidate(
             if far < aside:
                 return False
             put_row(g.posture.root, root, sub(row(target.root, root), scale(back, -aside / far)))
-    put_ghost(geo, skel, avatars, avatar, g)
+    put_ghost(rig, avatar, g)
     return True
 
 
 @kernel
-def is_goal(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, target: Posture, value: float,
-    ghost_out: Ghost
-) -> bool:
+def is_goal(rig: Rig, settings: PostureSettings, avatar: int, target: Posture, value: float, ghost_out: Ghost) -> bool:
     """Return True if the ghost is free where a path may end: the shown posture's objective is `value` [m^2].
 
     The ghost's own objective holds the link origins of the target."""
     g = ghost_out
-    tangent_error(skel, avatars, avatar, g.posture, target, g.scratch.objective.error)
-    there, _ = value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
+    tangent_error(rig, avatar, g.posture, target, g.scratch.objective.error)
+    there, _ = value_of(rig, avatar, g.state, g.poses, g.scratch.objective)
     if not there <= CLOSER * value:
         return False
-    return is_free(geo, skel, avatars, settings, g)
+    return is_free(rig, settings, g)
 
 
 @kernel
-def is_free(geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, ghost_out: Ghost) -> bool:
+def is_free(rig: Rig, settings: PostureSettings, ghost_out: Ghost) -> bool:
     """Return True if the ghost overlaps nothing and keeps its limits: then standing still is certified."""
     g = ghost_out
     g.scratch.step[:] = 0.0
     g.state.tracking.is_certified[g.scratch.members[0]] = 0
-    return certify(geo, skel, avatars, settings, g.posture, g.poses, 0, 1, False, False, g.state, g.scratch) == 0
+    return certify(rig, settings, g.posture, g.poses, 0, 1, False, False, g.state, g.scratch) == 0
 
 
 CUT = int(Phase.CUT)
@@ -98,61 +93,58 @@ SEARCHING, FOUND, STALE = int(Outcome.SEARCHING), int(Outcome.FOUND), int(Outcom
 
 @kernel
 def buy(
-    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture,
-    shown: Posture, value: float, plan_out: Plan, ghost_out: Ghost,
+    rig: Rig, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture, shown: Posture, value: float,
+    plan_out: Plan, ghost_out: Ghost,
 ) -> int:
     """Return the state before a slice. STALE if the goal, or the present end of the path, is no nearer to the target as it is
     than the avatar; FOUND if the path ends at a goal, is paid, and has been shortened for a frame. Else it is kept, and shortened
     on."""
     s, has_path = plan_out.searches, plan_out.searches.phase[avatar] >= CUT
     end = plan_out.path[avatar, s.length[avatar] - 1] if has_path else GOAL_NODE
-    aim_at_tracker(skel, avatars, avatar, tracker, ghost_out)
-    there = value_at(skel, avatars, avatar, end, target, plan_out, ghost_out)
+    aim_at_tracker(rig, avatar, tracker, ghost_out)
+    there = value_at(rig, avatar, end, target, plan_out, ghost_out)
     if not there < value:
         return STALE
     if not has_path:
         return SEARCHING
     before = s.lasts[avatar]
-    s.lasts[avatar], price = cost_of(skel, avatars, settings, avatar, target, shown, value, plan_out, ghost_out)
+    s.lasts[avatar], price = cost_of(rig, settings, avatar, target, shown, value, plan_out, ghost_out)
     return FOUND if before > 0.0 and there <= CLOSER * value and price <= s.paid[avatar] else SEARCHING
 
 
 @kernel
-def aim_at_tracker(skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, ghost_out: Ghost) -> None:
+def aim_at_tracker(rig: Rig, avatar: int, tracker: Posture, ghost_out: Ghost) -> None:
     """Compute the link origins of the tracker's posture for the ghost."""
     ghost_out.state.tracking.is_located[avatar] = 0
-    locate(skel, avatars, avatar, tracker, ghost_out.state.tracking, ghost_out.scratch.objective)
+    locate(rig, avatar, tracker, ghost_out.state.tracking, ghost_out.scratch.objective)
 
 
 @kernel
-def value_at(
-    skel: Skeleton, avatars: Avatars, avatar: int, k: int, target: Posture, plan: Plan, ghost_out: Ghost
-) -> float:
+def value_at(rig: Rig, avatar: int, k: int, target: Posture, plan: Plan, ghost_out: Ghost) -> float:
     """Return the objective [m^2] at node k. The ghost has its posture and link origins then, and no shapes."""
     g = ghost_out
-    get_node(skel, avatars, avatar, k, plan, g.posture)
-    carry_avatar(skel, avatars, avatar, g.posture, g.scratch.still, g.poses, g.state.axes)
+    get_node(rig, avatar, k, plan, g.posture)
+    carry_avatar(rig, avatar, g.posture, g.scratch.still, g.poses, g.state.axes)
     g.scratch.counts[FORWARDS] += 1
-    tangent_error(skel, avatars, avatar, g.posture, target, g.scratch.objective.error)
-    there, _ = value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
+    tangent_error(rig, avatar, g.posture, target, g.scratch.objective.error)
+    there, _ = value_of(rig, avatar, g.state, g.poses, g.scratch.objective)
     return there
 
 
 @kernel
 def cost_of(
-    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, target: Posture, shown: Posture, value: float,
-    plan: Plan, ghost_out: Ghost,
+    rig: Rig, settings: PostureSettings, avatar: int, target: Posture, shown: Posture, value: float, plan: Plan, ghost_out: Ghost
 ) -> tuple[float, float]:
     """Return the time [s] of a path and its price [m^2 s]: the objective beyond the shown posture's, summed over that time.
 
     The ghost's objective holds the link origins of the tracker."""
     g, total, price, before = ghost_out, 0.0, 0.0, value
-    copy_posture(skel, avatars, avatar, shown, g.aim)
+    copy_posture(rig, avatar, shown, g.aim)
     for i in range(plan.searches.length[avatar]):
-        there = value_at(skel, avatars, avatar, plan.path[avatar, i], target, plan, g)
-        tangent_error(skel, avatars, avatar, g.posture, g.aim, g.scratch.objective.error)
-        lasts = time_of(skel, avatars, settings, avatar, g.scratch.objective.error)
-        copy_posture(skel, avatars, avatar, g.posture, g.aim)
+        there = value_at(rig, avatar, plan.path[avatar, i], target, plan, g)
+        tangent_error(rig, avatar, g.posture, g.aim, g.scratch.objective.error)
+        lasts = time_of(rig, settings, avatar, g.scratch.objective.error)
+        copy_posture(rig, avatar, g.posture, g.aim)
         total += lasts
         price += lasts * max(0.0, 0.5 * (before + there) - value)
         before = there

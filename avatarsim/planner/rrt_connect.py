@@ -7,11 +7,11 @@ Plan.
 
 from avatarsim.ik.kinematics import longest_part, tangent_error
 from avatarsim.ik.sqp_step import work_done
-from avatarsim.ik.state import PRODUCTS, Avatars
+from avatarsim.ik.state import PRODUCTS, Rig
 from avatarsim.ik.target import copy_posture
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.geometry import Geometry, Poses
-from avatarsim.model.skeleton import Posture, Skeleton
+from avatarsim.model.geometry import Poses
+from avatarsim.model.skeleton import Posture
 from avatarsim.planner.follow_path import SHORT, begin_cut, begin_end, end_cut, is_in_sight, spares_time
 from avatarsim.planner.ghost import (
     ADVANCED,
@@ -41,87 +41,84 @@ SEARCHING, FOUND, FAILED, NO_GOAL = int(Outcome.SEARCHING), int(Outcome.FOUND), 
 
 
 @kernel
-def begin_search(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, plan_out: Plan) -> None:
+def begin_search(rig: Rig, avatar: int, posture: Posture, plan_out: Plan) -> None:
     """Begin anew, at the shown posture."""
     s = plan_out.searches
     s.phase[avatar], s.candidate[avatar], s.samples[avatar], s.count[avatar], s.length[avatar] = GOAL, 0, 0, 0, 0
     s.tree[avatar], s.cuts[avatar], s.at[avatar], s.begun[avatar], s.meeting[avatar] = 0, 0, NONE, 0, NONE
     s.place[avatar], s.late[avatar], s.cut_from[avatar], s.cut_to[avatar], s.here[avatar] = 0, 0.0, 0, 0, 0
     s.lasts[avatar] = 0.0
-    add_node(skel, avatars, avatar, posture, NONE, 0, plan_out)
+    add_node(rig, avatar, posture, NONE, 0, plan_out)
 
 
 @kernel
 def search(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture,
-    target: Posture, shown: Posture, poses: Poses, value: float, is_followed: bool, most_work: int, plan_out: Plan,
-    ghost_out: Ghost,
+    rig: Rig, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture, shown: Posture, poses: Poses,
+    value: float, is_followed: bool, most_work: int, plan_out: Plan, ghost_out: Ghost,
 ) -> int:
     """Run a slice of a search: towards `target`, the tracker's posture within limits, while the avatar is at `shown` with
     objective `value` [m^2]. is_followed: the path is followed already, and improved."""
     g, s = ghost_out, plan_out.searches
-    notice_world(geo, skel, avatars, settings, avatar, poses, g)
+    notice_world(rig, settings, avatar, poses, g)
     found, is_going_on = SEARCHING, True
     if s.phase[avatar] != GOAL and not is_followed:
-        found = buy(skel, avatars, settings, avatar, tracker, target, shown, value, plan_out, g)
+        found = buy(rig, settings, avatar, tracker, target, shown, value, plan_out, g)
     if s.phase[avatar] == GOAL:
-        aim_at_tracker(skel, avatars, avatar, tracker, g)
+        aim_at_tracker(rig, avatar, tracker, g)
     elif s.at[avatar] >= 0:
-        resume(geo, skel, avatars, avatar, plan_out, g)
+        resume(rig, avatar, plan_out, g)
     while found == SEARCHING and is_going_on and work_done(g.scratch) < most_work:
         phase = s.phase[avatar]
         if phase == GOAL:
-            found = find_goal(geo, skel, avatars, settings, avatar, shown, target, value, plan_out, g)
+            found = find_goal(rig, settings, avatar, shown, target, value, plan_out, g)
         elif phase == SAMPLE:
-            found = begin_extension(geo, skel, avatars, avatar, shown, plan_out, g)
+            found = begin_extension(rig, avatar, shown, plan_out, g)
         elif phase == CUT:
-            is_going_on = shorten(geo, skel, avatars, settings, avatar, shown, target, is_followed, plan_out, g)
+            is_going_on = shorten(rig, settings, avatar, shown, target, is_followed, plan_out, g)
         else:
-            extend(geo, skel, avatars, settings, avatar, most_work, plan_out, g)
+            extend(rig, settings, avatar, most_work, plan_out, g)
     return found
 
 
 @kernel
 def shorten(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, shown: Posture, target: Posture,
-    is_followed: bool, plan_out: Plan, ghost_out: Ghost,
+    rig: Rig, settings: PostureSettings, avatar: int, shown: Posture, target: Posture, is_followed: bool, plan_out: Plan,
+    ghost_out: Ghost,
 ) -> bool:
     """Begin the next shortcut, if there is one to try: in turn within the path, and from it to the present target."""
     s = plan_out.searches
     if 2 * s.count[avatar] > NODES:
         keep_path(avatar, plan_out)
     if not is_followed:
-        keep_up(skel, avatars, avatar, shown, plan_out, ghost_out)
+        keep_up(rig, avatar, shown, plan_out, ghost_out)
     first = s.place[avatar] + SHORT if is_followed else 0
     s.cuts[avatar] += 1
     if s.cuts[avatar] % 2 == 0 and first < s.length[avatar] and s.count[avatar] < NODES:
-        copy_posture(skel, avatars, avatar, target, ghost_out.posture)
-        put_ghost(geo, skel, avatars, avatar, ghost_out)
-        if is_free(geo, skel, avatars, settings, ghost_out):
-            put_node(skel, avatars, avatar, target, AIM, plan_out)
-            begin_end(skel, avatars, settings, avatar, first, plan_out, ghost_out)
-            resume(geo, skel, avatars, avatar, plan_out, ghost_out)
+        copy_posture(rig, avatar, target, ghost_out.posture)
+        put_ghost(rig, avatar, ghost_out)
+        if is_free(rig, settings, ghost_out):
+            put_node(rig, avatar, target, AIM, plan_out)
+            begin_end(rig, settings, avatar, first, plan_out, ghost_out)
+            resume(rig, avatar, plan_out, ghost_out)
             return True
-    if not begin_cut(skel, avatars, settings, avatar, first, plan_out, ghost_out):
+    if not begin_cut(rig, settings, avatar, first, plan_out, ghost_out):
         return False
-    resume(geo, skel, avatars, avatar, plan_out, ghost_out)
+    resume(rig, avatar, plan_out, ghost_out)
     return True
 
 
 @kernel
-def keep_up(
-    skel: Skeleton, avatars: Avatars, avatar: int, shown: Posture, plan_out: Plan, ghost_out: Ghost
-) -> None:
+def keep_up(rig: Rig, avatar: int, shown: Posture, plan_out: Plan, ghost_out: Ghost) -> None:
     """Add a node where the avatar is shown, once that is a stride away from the last: the path begins with its motion meanwhile,
     each step of it certified."""
     s, g, has_path = plan_out.searches, ghost_out, plan_out.searches.phase[avatar] == CUT
     last = plan_out.path[avatar, 0] if has_path else s.here[avatar]
-    get_node(skel, avatars, avatar, last, plan_out, g.posture)
-    tangent_error(skel, avatars, avatar, g.posture, shown, g.scratch.objective.error)
+    get_node(rig, avatar, last, plan_out, g.posture)
+    tangent_error(rig, avatar, g.posture, shown, g.scratch.objective.error)
     stride = STRIDE * g.state.tracking.reach[avatar]
-    if longest_part(skel, avatars, avatar, g.scratch.objective.error, stride, STRIDE) <= 1.0:
+    if longest_part(rig, avatar, g.scratch.objective.error, stride, STRIDE) <= 1.0:
         return
-    k = add_node(skel, avatars, avatar, shown, last, 2 if has_path else 0, plan_out)
+    k = add_node(rig, avatar, shown, last, 2 if has_path else 0, plan_out)
     if k == NONE:
         return
     if not has_path:
@@ -134,18 +131,18 @@ def keep_up(
 
 
 @kernel
-def resume(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, plan: Plan, ghost_out: Ghost) -> None:
+def resume(rig: Rig, avatar: int, plan: Plan, ghost_out: Ghost) -> None:
     """Put the ghost to where the extension has come, with its aim."""
-    put_ghost_at(geo, skel, avatars, avatar, plan.searches.at[avatar], plan, ghost_out)
-    aim_ghost(skel, avatars, avatar, AIM, plan, ghost_out)
-    plan.searches.value[avatar], _ = value_to_aim(skel, avatars, avatar, ghost_out)
+    put_ghost_at(rig, avatar, plan.searches.at[avatar], plan, ghost_out)
+    aim_ghost(rig, avatar, AIM, plan, ghost_out)
+    plan.searches.value[avatar], _ = value_to_aim(rig, avatar, ghost_out)
     plan.searches.pace[avatar] = 1.0
 
 
 @kernel
 def find_goal(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, shown: Posture, target: Posture,
-    value: float, plan_out: Plan, ghost_out: Ghost,
+    rig: Rig, settings: PostureSettings, avatar: int, shown: Posture, target: Posture, value: float, plan_out: Plan,
+    ghost_out: Ghost,
 ) -> int:
     """Test whether one candidate may be the goal; if so, the first extension goes straight to it."""
     s = plan_out.searches
@@ -153,55 +150,46 @@ def find_goal(
     if number >= CANDIDATES:
         return NO_GOAL
     s.candidate[avatar] = number + 1
-    if not place_candidate(geo, skel, avatars, avatar, number, shown, target, ghost_out):
+    if not place_candidate(rig, avatar, number, shown, target, ghost_out):
         return SEARCHING
-    if not is_goal(geo, skel, avatars, settings, avatar, target, value, ghost_out):
+    if not is_goal(rig, settings, avatar, target, value, ghost_out):
         return SEARCHING
-    s.meeting[avatar] = add_node(skel, avatars, avatar, ghost_out.posture, NONE, 1, plan_out)
-    put_node(skel, avatars, avatar, ghost_out.posture, AIM, plan_out)
+    s.meeting[avatar] = add_node(rig, avatar, ghost_out.posture, NONE, 1, plan_out)
+    put_node(rig, avatar, ghost_out.posture, AIM, plan_out)
     s.tree[avatar], s.at[avatar], s.begun[avatar], s.phase[avatar] = 0, 0, s.count[avatar], CONNECT
-    resume(geo, skel, avatars, avatar, plan_out, ghost_out)
+    resume(rig, avatar, plan_out, ghost_out)
     return SEARCHING
 
 
 @kernel
-def begin_extension(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, shown: Posture, plan_out: Plan, ghost_out: Ghost
-) -> int:
+def begin_extension(rig: Rig, avatar: int, shown: Posture, plan_out: Plan, ghost_out: Ghost) -> int:
     """Draw a sample, and go from the nearest node of the tree whose turn it is."""
     s = plan_out.searches
-    keep_up(skel, avatars, avatar, shown, plan_out, ghost_out)
+    keep_up(rig, avatar, shown, plan_out, ghost_out)
     if s.samples[avatar] >= MOST_SAMPLES or s.count[avatar] >= NODES:
         return FAILED
-    draw_sample(skel, avatars, avatar, GOAL_NODE, plan_out, ghost_out)
-    s.at[avatar] = nearest_node(skel, avatars, avatar, AIM, s.tree[avatar], plan_out)
+    draw_sample(rig, avatar, GOAL_NODE, plan_out, ghost_out)
+    s.at[avatar] = nearest_node(rig, avatar, AIM, s.tree[avatar], plan_out)
     ghost_out.scratch.counts[PRODUCTS] += s.count[avatar]
     s.begun[avatar], s.phase[avatar] = s.count[avatar], EXTEND
-    resume(geo, skel, avatars, avatar, plan_out, ghost_out)
+    resume(rig, avatar, plan_out, ghost_out)
     return SEARCHING
 
 
 @kernel
-def extend(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, most_work: int, plan_out: Plan,
-    ghost_out: Ghost,
-) -> None:
+def extend(rig: Rig, settings: PostureSettings, avatar: int, most_work: int, plan_out: Plan, ghost_out: Ghost) -> None:
     """Take one step of the extension that is under way, and begin the next phase if it was the last."""
     s, phase = plan_out.searches, plan_out.searches.phase[avatar]
     pace = s.pace[avatar]
-    outcome, s.value[avatar], s.pace[avatar] = step_ghost(
-        geo, skel, avatars, settings, avatar, pace, most_work, s.value[avatar], ghost_out
-    )
-    if outcome != TRAPPED and not keep_step(
-        geo, skel, avatars, settings, avatar, pace, plan_out, ghost_out
-    ):
+    outcome, s.value[avatar], s.pace[avatar] = step_ghost(rig, settings, avatar, pace, most_work, s.value[avatar], ghost_out)
+    if outcome != TRAPPED and not keep_step(rig, settings, avatar, pace, plan_out, ghost_out):
         outcome = TRAPPED
     if phase == TRY_CUT or phase == TRY_END:
-        is_shorter = outcome != TRAPPED and spares_time(skel, avatars, settings, avatar, plan_out, ghost_out)
+        is_shorter = outcome != TRAPPED and spares_time(rig, settings, avatar, plan_out, ghost_out)
         end_cut(avatar, outcome == REACHED, not is_shorter, plan_out)
         if s.phase[avatar] != CUT:
-            aim_ghost(skel, avatars, avatar, AIM, plan_out, ghost_out)
-            get_node(skel, avatars, avatar, s.at[avatar], plan_out, ghost_out.posture)
+            aim_ghost(rig, avatar, AIM, plan_out, ghost_out)
+            get_node(rig, avatar, s.at[avatar], plan_out, ghost_out.posture)
         return
     if outcome == ADVANCED:
         return
@@ -210,14 +198,11 @@ def extend(
     elif s.count[avatar] == s.begun[avatar]:
         s.phase[avatar], s.tree[avatar] = SAMPLE, 1 - s.tree[avatar]
     else:
-        begin_connection(geo, skel, avatars, avatar, plan_out, ghost_out)
+        begin_connection(rig, avatar, plan_out, ghost_out)
 
 
 @kernel
-def keep_step(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, pace: float, plan_out: Plan,
-    ghost_out: Ghost,
-) -> bool:
+def keep_step(rig: Rig, settings: PostureSettings, avatar: int, pace: float, plan_out: Plan, ghost_out: Ghost) -> bool:
     """Put a step of the extension into its last edge, or a new one if that would be longer than the longest step, or no straight
     motion that is certified; False without room.
 
@@ -225,14 +210,14 @@ def keep_step(
     s, g = plan_out.searches, ghost_out
     s.edge[avatar] += pace
     if s.count[avatar] > s.begun[avatar] and s.edge[avatar] <= LONGEST:
-        get_node(skel, avatars, avatar, plan_out.before[avatar, s.at[avatar]], plan_out, g.scratch.target)
+        get_node(rig, avatar, plan_out.before[avatar, s.at[avatar]], plan_out, g.scratch.target)
         # back to where the edge begins, which is the same
-        if is_in_sight(geo, skel, avatars, settings, 0, g.posture, g.poses, g.state, g.scratch):
-            put_node(skel, avatars, avatar, g.posture, s.at[avatar], plan_out)
+        if is_in_sight(rig, settings, 0, g.posture, g.poses, g.state, g.scratch):
+            put_node(rig, avatar, g.posture, s.at[avatar], plan_out)
             return True
     phase = s.phase[avatar]
     tree = 2 if phase == TRY_CUT or phase == TRY_END else s.tree[avatar]
-    k = add_node(skel, avatars, avatar, g.posture, s.at[avatar], tree, plan_out)
+    k = add_node(rig, avatar, g.posture, s.at[avatar], tree, plan_out)
     if k == NONE:
         return False
     s.at[avatar], s.edge[avatar] = k, pace
@@ -240,19 +225,17 @@ def keep_step(
 
 
 @kernel
-def begin_connection(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, plan_out: Plan, ghost_out: Ghost
-) -> None:
+def begin_connection(rig: Rig, avatar: int, plan_out: Plan, ghost_out: Ghost) -> None:
     """Extend the other tree towards the node at which this extension ended."""
     s = plan_out.searches
     s.meeting[avatar] = s.at[avatar]
-    get_node(skel, avatars, avatar, s.at[avatar], plan_out, ghost_out.posture)
-    put_node(skel, avatars, avatar, ghost_out.posture, AIM, plan_out)
+    get_node(rig, avatar, s.at[avatar], plan_out, ghost_out.posture)
+    put_node(rig, avatar, ghost_out.posture, AIM, plan_out)
     s.tree[avatar] = 1 - s.tree[avatar]
-    s.at[avatar] = nearest_node(skel, avatars, avatar, AIM, s.tree[avatar], plan_out)
+    s.at[avatar] = nearest_node(rig, avatar, AIM, s.tree[avatar], plan_out)
     ghost_out.scratch.counts[PRODUCTS] += s.count[avatar]
     s.begun[avatar], s.phase[avatar] = s.count[avatar], CONNECT
-    resume(geo, skel, avatars, avatar, plan_out, ghost_out)
+    resume(rig, avatar, plan_out, ghost_out)
 
 
 @kernel

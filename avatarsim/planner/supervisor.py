@@ -10,10 +10,10 @@ from avatarsim.ik.kinematics import tangent_error
 from avatarsim.ik.motion_budget import AT_REST
 from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
 from avatarsim.ik.sqp_step import work_done
-from avatarsim.ik.state import FOLLOWING, PLAN_WORK, PLANNING, WAITING, Avatars, IkScratch, IkState, Mode
+from avatarsim.ik.state import FOLLOWING, PLAN_WORK, PLANNING, WAITING, IkScratch, IkState, Mode, Rig
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.geometry import Geometry, Poses
-from avatarsim.model.skeleton import Posture, Skeleton
+from avatarsim.model.geometry import Poses
+from avatarsim.model.skeleton import Posture
 from avatarsim.planner.follow_path import AT, arrival_time, is_near, put_target
 from avatarsim.planner.ghost import put_ghost_at
 from avatarsim.planner.rrt_connect import begin_search, search
@@ -30,16 +30,16 @@ FALLEN = 1.0 / 3.0
 
 @kernel
 def measure(
-    skel: Skeleton, avatars: Avatars, avatar: int, settings: PostureSettings, dt: float, poses: Poses, state_out: IkState,
-    scratch: IkScratch,
+    rig: Rig, avatar: int, settings: PostureSettings, dt: float, poses: Poses, state_out: IkState, scratch: IkScratch
 ) -> float:
     """Measure progress after the steps of a frame of dt [s], with the error to the target at hand: how far the avatar is from it,
     and for how long the objective has not fallen as it must; return the objective.
 
     It is compared with its value a stall time before at most, at the ends of frames: a gain that is lost again to a moving target
     is no progress."""
+    avatars = rig.avatars
     t = state_out.tracking
-    value, far = value_of(skel, avatars, avatar, state_out, poses, scratch.objective)
+    value, far = value_of(rig, avatar, state_out, poses, scratch.objective)
     t.distance[avatar] = far
     t.since[avatar] += dt
     links = avatars.first_link[avatar + 1] - avatars.first_link[avatar]
@@ -73,10 +73,11 @@ NEVER, JOINTED = 0, 1
 
 @kernel
 def supervise(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, dt: float, posture: Posture,
-    poses: Poses, plan_out: Plan, ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, tracker: Posture, dt: float, posture: Posture, poses: Poses, plan_out: Plan,
+    ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Run progress, modes, and a slice of each search after the steps of a frame of dt [s]."""
+    avatars = rig.avatars
     t, counts = state_out.tracking, scratch_out.counts
     for avatar in range(avatars.first_link.shape[0] - 1):
         if t.has_arrived[avatar] > 0 and t.mode[avatar] != FOLLOW_PATH:
@@ -85,14 +86,14 @@ def supervise(
         if t.mode[avatar] == FOLLOW_PATH:
             # the located target is the path's
             t.is_located[avatar] = 0
-        locate(skel, avatars, avatar, tracker, t, scratch_out.objective)
+        locate(rig, avatar, tracker, t, scratch_out.objective)
         # the clipped target, not the target that was followed
-        tangent_error(skel, avatars, avatar, posture, state_out.target_before, scratch_out.objective.error)
-        value = measure(skel, avatars, avatar, settings, dt, poses, state_out, scratch_out)
-        choose_mode(skel, avatars, settings, avatar, dt, value, posture, plan_out, state_out)
+        tangent_error(rig, avatar, posture, state_out.target_before, scratch_out.objective.error)
+        value = measure(rig, avatar, settings, dt, poses, state_out, scratch_out)
+        choose_mode(rig, settings, avatar, dt, value, posture, plan_out, state_out)
         if t.mode[avatar] == FOLLOW_PATH:
-            follow_on(skel, avatars, settings, avatar, value, posture, plan_out, state_out, scratch_out)
-    search_all(geo, skel, avatars, settings, tracker, posture, poses, plan_out, ghost_out, state_out, scratch_out)
+            follow_on(rig, settings, avatar, value, posture, plan_out, state_out, scratch_out)
+    search_all(rig, settings, tracker, posture, poses, plan_out, ghost_out, state_out, scratch_out)
     for avatar in range(avatars.first_link.shape[0] - 1):
         counts[WAITING] += 1 if t.mode[avatar] == WAIT else 0
         counts[PLANNING] += 1 if t.mode[avatar] == PLAN else 0
@@ -100,19 +101,20 @@ def supervise(
 
 
 @kernel
-def may_plan(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int) -> bool:
+def may_plan(rig: Rig, settings: PostureSettings, avatar: int) -> bool:
     """Return True if paths are sought for an avatar: one without joints lies on the obstacle and waits."""
+    avatars = rig.avatars
     if settings.around == NEVER:
         return False
     root = avatars.first_link[avatar]
-    has_joints = avatars.first_dof[avatar + 1] > skel.first_dof[root + 1]
+    has_joints = avatars.first_dof[avatar + 1] > rig.skel.first_dof[root + 1]
     return bool(has_joints or settings.around > JOINTED)
 
 
 @kernel
 def choose_mode(
-    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, dt: float, value: float, posture: Posture,
-    plan_out: Plan, state_out: IkState,
+    rig: Rig, settings: PostureSettings, avatar: int, dt: float, value: float, posture: Posture, plan_out: Plan,
+    state_out: IkState,
 ) -> None:
     """Choose the mode of an avatar without the results of searches and paths."""
     t, s = state_out.tracking, plan_out.searches
@@ -127,46 +129,46 @@ def choose_mode(
         return
     s.rest[avatar] -= dt
     t.mode[avatar] = WAIT
-    if s.rest[avatar] <= 0.0 and may_plan(skel, avatars, settings, avatar):
+    if s.rest[avatar] <= 0.0 and may_plan(rig, settings, avatar):
         t.mode[avatar] = PLAN
-        begin_search(skel, avatars, avatar, posture, plan_out)
+        begin_search(rig, avatar, posture, plan_out)
 
 
 @kernel
 def follow_on(
-    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, value: float, posture: Posture, plan_out: Plan,
-    state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, avatar: int, value: float, posture: Posture, plan_out: Plan, state_out: IkState,
+    scratch_out: IkScratch,
 ) -> None:
     """Update an avatar after a frame along a path: at its end the tracker is followed again; a blocked avatar searches anew.
     Along a path catch-up speeds hold in full."""
     t, s = state_out.tracking, plan_out.searches
     t.speed[avatar] = max(t.speed[avatar], AT_REST)
     last = s.length[avatar] - 1
-    put_target(skel, avatars, avatar, last, plan_out, scratch_out)
-    is_at_end = s.place[avatar] == last and is_near(skel, avatars, avatar, AT, posture, state_out, scratch_out)
+    put_target(rig, avatar, last, plan_out, scratch_out)
+    is_at_end = s.place[avatar] == last and is_near(rig, avatar, AT, posture, state_out, scratch_out)
     if is_at_end:
         set_free(avatar, value, state_out)
     elif s.late[avatar] >= settings.stall_time:
         t.mode[avatar] = PLAN
-        begin_search(skel, avatars, avatar, posture, plan_out)
+        begin_search(rig, avatar, posture, plan_out)
 
 
 @kernel
 def drop_paths(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, tracker: Posture, posture: Posture, poses: Poses, plan: Plan,
-    ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, tracker: Posture, posture: Posture, poses: Poses, plan: Plan, ghost_out: Ghost, state_out: IkState,
+    scratch_out: IkScratch,
 ) -> None:
     """Drop paths, as a frame begins, whose end is no nearer to the target than the avatar is."""
     t, c, g = state_out.tracking, scratch_out.objective, ghost_out
-    for avatar in range(avatars.first_link.shape[0] - 1):
+    for avatar in range(rig.avatars.first_link.shape[0] - 1):
         if t.mode[avatar] != FOLLOW_PATH:
             continue
-        locate(skel, avatars, avatar, tracker, t, c)
-        tangent_error(skel, avatars, avatar, posture, scratch_out.target, c.error)
-        here, _ = value_of(skel, avatars, avatar, state_out, poses, c)
-        put_ghost_at(geo, skel, avatars, avatar, plan.path[avatar, plan.searches.length[avatar] - 1], plan, g)
-        tangent_error(skel, avatars, avatar, g.posture, scratch_out.target, c.error)
-        there, _ = value_of(skel, avatars, avatar, state_out, g.poses, c)
+        locate(rig, avatar, tracker, t, c)
+        tangent_error(rig, avatar, posture, scratch_out.target, c.error)
+        here, _ = value_of(rig, avatar, state_out, poses, c)
+        put_ghost_at(rig, avatar, plan.path[avatar, plan.searches.length[avatar] - 1], plan, g)
+        tangent_error(rig, avatar, g.posture, scratch_out.target, c.error)
+        there, _ = value_of(rig, avatar, state_out, g.poses, c)
         if not there < here:
             set_free(avatar, here, state_out)
 
@@ -180,11 +182,11 @@ def set_free(avatar: int, value: float, state_out: IkState) -> None:
 
 @kernel
 def search_all(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, posture: Posture,
-    poses: Poses, plan_out: Plan, ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, tracker: Posture, posture: Posture, poses: Poses, plan_out: Plan, ghost_out: Ghost,
+    state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Deal out the work of searches, and of improving followed paths, in turns, within the rest of the frame's budget."""
-    t, count, waiting = state_out.tracking, avatars.first_link.shape[0] - 1, 0
+    t, count, waiting = state_out.tracking, rig.avatars.first_link.shape[0] - 1, 0
     for avatar in range(count):
         waiting += 1 if t.mode[avatar] == PLAN or t.mode[avatar] == FOLLOW_PATH else 0
     left = min(settings.work * 2 // 3, settings.work - work_done(scratch_out))
@@ -197,11 +199,11 @@ def search_all(
         if left <= 0:
             break
         slice_ = max(LEAST_SLICE, left // waiting)
-        tangent_error(skel, avatars, avatar, posture, state_out.target_before, scratch_out.objective.error)
-        value, _ = value_of(skel, avatars, avatar, state_out, poses, scratch_out.objective)
+        tangent_error(rig, avatar, posture, state_out.target_before, scratch_out.objective.error)
+        value, _ = value_of(rig, avatar, state_out, poses, scratch_out.objective)
         found = search(
-            geo, skel, avatars, settings, avatar, tracker, state_out.target_before, posture, poses, value, is_followed, slice_,
-            plan_out, ghost_out,
+            rig, settings, avatar, tracker, state_out.target_before, posture, poses, value, is_followed, slice_, plan_out,
+            ghost_out
         )
         spent = work_done(ghost_out.scratch)
         left -= spent
@@ -209,22 +211,19 @@ def search_all(
         waiting -= 1
         plan_out.turn[0] = (avatar + 1) % count
         if found == STALE:
-            begin_search(skel, avatars, avatar, posture, plan_out)
+            begin_search(rig, avatar, posture, plan_out)
         if found == FOUND:
-            set_out(skel, avatars, settings, avatar, posture, plan_out, scratch_out)
+            set_out(rig, settings, avatar, posture, plan_out, scratch_out)
         note_outcome(avatar, found, settings, plan_out, state_out)
 
 
 @kernel
-def set_out(
-    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, posture: Posture, plan_out: Plan,
-    scratch_out: IkScratch,
-) -> None:
+def set_out(rig: Rig, settings: PostureSettings, avatar: int, posture: Posture, plan_out: Plan, scratch_out: IkScratch) -> None:
     """Go from the present place of the avatar to the begin of its path."""
     s, way = plan_out.searches, scratch_out.objective.error
-    put_target(skel, avatars, avatar, 0, plan_out, scratch_out)
-    tangent_error(skel, avatars, avatar, posture, scratch_out.target, way)
-    s.place[avatar], s.late[avatar] = 0, -arrival_time(skel, avatars, settings, avatar, way)
+    put_target(rig, avatar, 0, plan_out, scratch_out)
+    tangent_error(rig, avatar, posture, scratch_out.target, way)
+    s.place[avatar], s.late[avatar] = 0, -arrival_time(rig, settings, avatar, way)
 
 
 @kernel

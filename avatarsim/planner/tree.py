@@ -10,10 +10,10 @@ A doorway is found by the root, in a posture that fits through it; a limb that i
 
 from math import inf, pi, sqrt
 
-from avatarsim.ik.state import Avatars
+from avatarsim.ik.state import Rig
 from avatarsim.ik.target import clip_avatar, copy_posture
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.skeleton import BALL, FREE, SLIDE, Posture, Skeleton, has_angles
+from avatarsim.model.skeleton import BALL, FREE, SLIDE, Posture, has_angles
 from avatarsim.planner.state import NODES, NONE, Ghost, Plan
 from avatarsim.spatial.random import MODULUS, MULTIPLIER
 from avatarsim.spatial.tangent import columns, put_columns, stepped, turned_back
@@ -37,33 +37,34 @@ def drawn(avatar: int, plan_out: Plan) -> float:
 
 
 @kernel
-def draw_sample(skel: Skeleton, avatars: Avatars, avatar: int, goal: int, plan_out: Plan, ghost_out: Ghost) -> None:
+def draw_sample(rig: Rig, avatar: int, goal: int, plan_out: Plan, ghost_out: Ghost) -> None:
     """Draw the next sample into node AIM; node 0 is the start, `goal` the root of the other tree."""
-    s, target, root = plan_out.searches, ghost_out.scratch.target, avatars.first_link[avatar]
-    if skel.kind[root] == FREE and s.samples[avatar] % 2 == 0:
-        place_sample(skel, avatars, avatar, goal, plan_out, ghost_out)
+    s, target, root = plan_out.searches, ghost_out.scratch.target, rig.avatars.first_link[avatar]
+    if rig.skel.kind[root] == FREE and s.samples[avatar] % 2 == 0:
+        place_sample(rig, avatar, goal, plan_out, ghost_out)
     else:
         k = int(drawn(avatar, plan_out) * s.count[avatar]) % s.count[avatar]
-        get_node(skel, avatars, avatar, k, plan_out, target)
-        disturb(skel, avatars, avatar, plan_out, ghost_out)
+        get_node(rig, avatar, k, plan_out, target)
+        disturb(rig, avatar, plan_out, ghost_out)
     s.samples[avatar] += 1
-    clip_avatar(skel, avatars, avatar, target, ghost_out.state.tracking, target)
-    put_node(skel, avatars, avatar, target, AIM, plan_out)
+    clip_avatar(rig, avatar, target, ghost_out.state.tracking, target)
+    put_node(rig, avatar, target, AIM, plan_out)
 
 
 @kernel
-def place_sample(skel: Skeleton, avatars: Avatars, avatar: int, goal: int, plan_out: Plan, ghost_out: Ghost) -> None:
+def place_sample(rig: Rig, avatar: int, goal: int, plan_out: Plan, ghost_out: Ghost) -> None:
     """Draw a place in the room around start and goal, any heading, with the joints of the travel posture, start or goal."""
+    avatars = rig.avatars
     target, root, up = ghost_out.scratch.target, avatars.first_link[avatar], (ghost_out.up[0], ghost_out.up[1], ghost_out.up[2])
     kind = int(4.0 * drawn(avatar, plan_out))
-    get_node(skel, avatars, avatar, goal, plan_out, target)
+    get_node(rig, avatar, goal, plan_out, target)
     there = row(target.root, root)
-    get_node(skel, avatars, avatar, 0, plan_out, target)
+    get_node(rig, avatar, 0, plan_out, target)
     here = row(target.root, root)
     if kind == 1:
-        get_node(skel, avatars, avatar, goal, plan_out, target)
+        get_node(rig, avatar, goal, plan_out, target)
     elif kind >= 2:
-        copy_posture(skel, avatars, avatar, ghost_out.travel, target)
+        copy_posture(rig, avatar, ghost_out.travel, target)
     samples = plan_out.searches.samples[avatar]
     margin = MARGIN * ghost_out.state.tracking.reach[avatar] + 0.5 * norm(sub(there, here))
     margin *= sqrt(1.0 + samples)
@@ -71,7 +72,7 @@ def place_sample(skel: Skeleton, avatars: Avatars, avatar: int, goal: int, plan_
         low, high = min(here[i], there[i]) - margin, max(here[i], there[i]) + margin
         target.root[root, i] = low + (high - low) * drawn(avatar, plan_out)
     # an avatar with joints stands on floors: up and down only as far as start and goal are; a hand goes over things
-    is_standing = dot(up, up) > 0.5 and avatars.first_dof[avatar + 1] > skel.first_dof[root + 1]
+    is_standing = dot(up, up) > 0.5 and avatars.first_dof[avatar + 1] > rig.skel.first_dof[root + 1]
     height, one, other = dot(up, row(target.root, root)), dot(up, here), dot(up, there)
     wanted = min(one, other) + abs(one - other) * drawn(avatar, plan_out)
     put_row(target.root, root, along(row(target.root, root), wanted - height if is_standing else 0.0, up))
@@ -82,8 +83,9 @@ def place_sample(skel: Skeleton, avatars: Avatars, avatar: int, goal: int, plan_
 
 
 @kernel
-def disturb(skel: Skeleton, avatars: Avatars, avatar: int, plan_out: Plan, ghost_out: Ghost) -> None:
+def disturb(rig: Rig, avatar: int, plan_out: Plan, ghost_out: Ghost) -> None:
     """Displace all degrees of freedom of the sample at random, by a share that is drawn once."""
+    skel, avatars = rig.skel, rig.avatars
     target, share = ghost_out.scratch.target, drawn(avatar, plan_out)
     turn, move = TURN * share, MOVE * share * ghost_out.state.tracking.reach[avatar]
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
@@ -107,8 +109,9 @@ AIM = NODES
 
 
 @kernel
-def put_node(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, k: int, plan_out: Plan) -> None:
+def put_node(rig: Rig, avatar: int, posture: Posture, k: int, plan_out: Plan) -> None:
     """Write the posture of an avatar into its node k."""
+    skel, avatars = rig.skel, rig.avatars
     node, at = plan_out.node, 0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         kind = skel.kind[link]
@@ -128,8 +131,9 @@ def put_node(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, k:
 
 
 @kernel
-def get_node(skel: Skeleton, avatars: Avatars, avatar: int, k: int, plan: Plan, posture_out: Posture) -> None:
+def get_node(rig: Rig, avatar: int, k: int, plan: Plan, posture_out: Posture) -> None:
     """Write the posture of an avatar at its node k, to the bit."""
+    skel, avatars = rig.skel, rig.avatars
     node, at = plan.node, 0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         kind = skel.kind[link]
@@ -149,22 +153,21 @@ def get_node(skel: Skeleton, avatars: Avatars, avatar: int, k: int, plan: Plan, 
 
 
 @kernel
-def add_node(
-    skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, before: int, tree: int, plan_out: Plan
-) -> int:
+def add_node(rig: Rig, avatar: int, posture: Posture, before: int, tree: int, plan_out: Plan) -> int:
     """Add a node that was reached from node `before`; return its number, or -1 where there is no room."""
     k = plan_out.searches.count[avatar]
     if k >= NODES:
         return NONE
-    put_node(skel, avatars, avatar, posture, k, plan_out)
+    put_node(rig, avatar, posture, k, plan_out)
     plan_out.before[avatar, k], plan_out.tree[avatar, k] = before, tree
     plan_out.searches.count[avatar] = k + 1
     return int(k)
 
 
 @kernel
-def square_distance(skel: Skeleton, avatars: Avatars, avatar: int, k: int, m: int, plan: Plan) -> float:
+def square_distance(rig: Rig, avatar: int, k: int, m: int, plan: Plan) -> float:
     """Return the squared distance [m^2] of two nodes; of rotations the chord, 3 - trace."""
+    skel, avatars = rig.skel, rig.avatars
     node, at, total = plan.node, 0, 0.0
     low, high = avatars.first_link[avatar], avatars.first_link[avatar + 1]
     for link in range(low, high):
@@ -189,12 +192,12 @@ def square_distance(skel: Skeleton, avatars: Avatars, avatar: int, k: int, m: in
 
 
 @kernel
-def nearest_node(skel: Skeleton, avatars: Avatars, avatar: int, m: int, tree: int, plan: Plan) -> int:
+def nearest_node(rig: Rig, avatar: int, m: int, tree: int, plan: Plan) -> int:
     """Return the node of a tree that is nearest to node m."""
     least, found = inf, 0
     for k in range(plan.searches.count[avatar]):
         if plan.tree[avatar, k] == tree:
-            distance = square_distance(skel, avatars, avatar, k, m, plan)
+            distance = square_distance(rig, avatar, k, m, plan)
             if distance < least:
                 least, found = distance, k
     return found

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from avatarsim.ik.kinematics import carry_avatar, place_avatar, take_step, tangent_error
 from avatarsim.ik.make import make_solver
-from avatarsim.ik.state import Avatars, IkScratch, IkState
+from avatarsim.ik.state import Avatars, IkScratch, IkState, Rig
 from avatarsim.model.skeleton import FREE, SLIDE, Posture
 from avatarsim.model.world import World, build, posture_of
 from avatarsim.scene.scene import Scene
@@ -33,6 +33,11 @@ class Solver:
         """Return the number of avatars."""
         return len(self.avatars.first_link) - 1
 
+    @property
+    def rig(self) -> Rig:
+        """Return the world as its avatars have it."""
+        return Rig(self.world.geometry, self.world.skeleton, self.avatars)
+
     def take(self, posture: Posture) -> None:
         """Show the avatars at a posture."""
         for mine, other in zip(self.world.posture, posture, strict=True):
@@ -41,18 +46,17 @@ class Solver:
 
     def stand(self) -> None:
         """Poses and axes of the posture, at the trial too."""
-        geo, skel, posture, poses = self.world.geometry, self.world.skeleton, self.world.posture, self.world.poses
-        still = np.zeros(int(skel.first_dof[-1]))
+        posture, poses, still = self.world.posture, self.world.poses, np.zeros(int(self.world.skeleton.first_dof[-1]))
         for there, axes in ((poses, self.state.axes), (self.working.trial, self.working.axes)):
             for avatar in range(self.count):
-                carry_avatar(skel, self.avatars, avatar, posture, still, there, axes)
-                place_avatar(geo, skel, self.avatars, avatar, there)
+                carry_avatar(self.rig, avatar, posture, still, there, axes)
+                place_avatar(self.rig, avatar, there)
 
     def after(self, step: Array) -> Posture:
         """Return the posture that a step (nd) leads to."""
         found = copied(self.world.posture)
         for avatar in range(self.count):
-            take_step(self.world.skeleton, self.avatars, avatar, step, found)
+            take_step(self.rig, avatar, step, found)
         return found
 
     def follow(self, target: Posture) -> None:
@@ -62,9 +66,7 @@ class Solver:
                 array[:] = other
         self.state.tracking.is_located[:] = 0
         for avatar in range(self.count):
-            tangent_error(
-                self.world.skeleton, self.avatars, avatar, self.world.posture, target, self.working.objective.error
-            )
+            tangent_error(self.rig, avatar, self.world.posture, target, self.working.objective.error)
 
     def solve_for_all(self) -> None:
         """Make all avatars one island, with budgets that hold nothing back."""

@@ -36,7 +36,7 @@ def test_islands_are_the_connected_components_of_what_touches(edges: set[tuple[i
     first, pairs = int(geo.first_shape[skel.first]), sorted(edge for edge in edges if edge[0] != edge[1])
     t.used[0] = len(pairs)
     t.pair[: len(pairs)] = np.array([(first + a, first + b if b >= 0 else 0) for a, b in pairs]).reshape(-1, 2)
-    form_islands(geo, skel, FOUND.avatars, FOUND.state, FOUND.working)
+    form_islands(FOUND.rig, FOUND.state, FOUND.working)
     wanted = components(9, {(a, b) for a, b in pairs if b >= 0})
     assert FOUND.state.tracking.island.tolist() == wanted
     members = FOUND.working.members.tolist()
@@ -49,8 +49,8 @@ def moved(found: Solver, seed: int, far: float) -> None:
     posture.root[0] = rng.uniform(-2.0, 2.0, 3)
     found.take(posture)
     found.working.step[:] = rng.normal(0.0, far, len(found.working.step))
-    try_step(found.world.geometry, found.world.skeleton, found.avatars, 0, posture, found.working)
-    sweep_boxes(found.world.geometry, found.world.skeleton, found.avatars, 0, found.world.poses, 1e-3, found.working)
+    try_step(found.rig, 0, posture, found.working)
+    sweep_boxes(found.rig, 0, found.world.poses, 1e-3, found.working)
 
 
 @given(st.integers(0, 10**6), st.floats(0.0, 0.5))

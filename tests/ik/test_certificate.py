@@ -43,10 +43,8 @@ def failures(found: Solver, step: Any) -> int:
     found.state.tracking.is_certified[:] = 0
     found.working.step[:] = step
     for avatar in range(found.count):
-        try_step(geo, skel, found.avatars, avatar, posture, found.working)
-    return int(
-        certify(geo, skel, found.avatars, SETTINGS, posture, poses, 0, found.count, False, False, found.state, found.working)
-    )
+        try_step(found.rig, avatar, posture, found.working)
+    return int(certify(found.rig, SETTINGS, posture, poses, 0, found.count, False, False, found.state, found.working))
 
 
 def move(x: float = 0.0, y: float = 0.0, z: float = 0.0, *turn: float) -> list[float]:

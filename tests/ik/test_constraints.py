@@ -54,7 +54,7 @@ def listed(found: Solver, pairs: list[tuple[int, int]], is_soft: bool = False) -
     for a, b in pairs:
         touch(a, b, found.state.touching)
     found.state.pairs.step[0] += 1
-    add_touching(w.geometry, w.skeleton, found.avatars, SETTINGS, is_soft, w.poses, found.state, found.working)
+    add_touching(found.rig, SETTINGS, is_soft, w.poses, found.state, found.working)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -70,9 +70,7 @@ def test_a_row_is_the_slope_of_the_gap_in_every_degree(seed: int) -> None:
             found.working.step[:] = 0.0
             found.working.step[j] = sign * h
             for avatar in range(found.count):
-                try_step(
-                    found.world.geometry, found.world.skeleton, found.avatars, avatar, found.world.posture, found.working
-                )
+                try_step(found.rig, avatar, found.world.posture, found.working)
             for k, pair in enumerate(pairs):
                 wanted[k, j] += sign * distance(found, found.working.trial.vertices, *pair) / (2.0 * h)
     own = found.avatars.first_dof[1]
@@ -95,11 +93,10 @@ def test_a_near_pair_may_stay_and_a_squeezed_one_must_part() -> None:
 
 def test_pressing_contacts_are_kept_and_others_forgotten() -> None:
     found, pairs = before_a_panel(2)
-    w = found.world
     listed(found, pairs)
     found.working.rows.multiplier[:2] = 1.0, 0.0
     for _ in range(IDLE_STEPS + 1):
         kept = found.state.touching.pair[: found.state.touching.used[0]].tolist()
         assert kept == [list(pair) for pair in pairs]
-        keep_touching(w.geometry, w.skeleton, found.avatars, found.state, found.working)
+        keep_touching(found.rig, found.state, found.working)
     assert found.state.touching.pair[: found.state.touching.used[0]].tolist() == [list(pairs[0])]

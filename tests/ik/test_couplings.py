@@ -54,7 +54,7 @@ def both_at(seed: int, by: float) -> tuple[Solver, Solver, np.ndarray]:
         found.take(posture)
         found.follow(target)
         for avatar in range(found.count):
-            model(found.world.skeleton, found.avatars, avatar, found.state, found.world.poses, found.working.objective)
+            model(found.rig, avatar, found.state, found.world.poses, found.working.objective)
     leads = np.ones(len(posture.angle), dtype=np.bool_)
     leads[BOUND.world.skeleton.follow[:, 0]] = False
     return FREE, BOUND, leads
@@ -119,17 +119,14 @@ def test_rows_bounds_and_steps_are_those_of_the_joints_that_lead(seed: int) -> N
     piece = int(bound.world.geometry.first_shape[skel.first + link])
     normal = np.array([0.6, 0.0, 0.8])
     at: Any = tuple((bound.world.poses.position[skel.first + link] + (0.1, 0.2, 0.3)).tolist())
-    add_contact(
-        bound.world.geometry, skel, bound.avatars, piece, 0, (0.6, 0.0, 0.8), at, at, 0.0, bound.world.poses,
-        bound.state.axes, s.still, s,
-    )
+    add_contact(bound.rig, piece, 0, (0.6, 0.0, 0.8), at, at, 0.0, bound.world.poses, bound.state.axes, s.still, s)
     own = slice(0, int(bound.avatars.first_dof[1]))
     rates = normal @ point_rates(bound, link, np.array([0.1, 0.2, 0.3])) @ whole
     other = normal @ point_rates(bound, 0, np.array(at) - bound.world.poses.position[skel.first]) @ whole
     assert s.rows.jacobian[0, own] == pytest.approx((rates - other)[own], abs=1e-12)
     bound.state.budget.turn[:], bound.state.budget.turned[:], bound.state.budget.move[:] = 0.5, 0.0, 0.05
     for avatar in range(bound.count):
-        bound_step(skel, bound.avatars, avatar, bound.world.posture, bound.state.budget, s)
+        bound_step(bound.rig, avatar, bound.world.posture, bound.state.budget, s)
     for end in (s.low, s.high):
         step = np.where(leads, end, 0.0)
         follow_leaders(skel, 0, len(step), step)
@@ -161,7 +158,7 @@ def test_a_target_is_pulled_to_its_leader() -> None:
     for off, legal in ((1e-14, 1), (1e-3, 0)):
         asked = copied(posture)
         asked.angle[skel.follow[1, 0]] += off
-        clip_avatar(skel, found.avatars, 0, asked, found.state.tracking, found.working.target)
+        clip_avatar(found.rig, 0, asked, found.state.tracking, found.working.target)
         assert found.state.tracking.is_legal[0] == legal
         assert found.working.target.angle[skel.follow[1, 0]] == posture.angle[skel.follow[1, 0]]
 

@@ -28,7 +28,7 @@ def tried(found: Solver, step: np.ndarray) -> np.ndarray:
     """Return vertices at the trial of a step of all avatars."""
     found.working.step[:] = step
     for avatar in range(found.count):
-        try_step(found.world.geometry, found.world.skeleton, found.avatars, avatar, found.world.posture, found.working)
+        try_step(found.rig, avatar, found.world.posture, found.working)
     return found.working.trial.vertices.copy()
 
 
@@ -36,7 +36,7 @@ def differences(found: Solver, start: Posture, end: Posture) -> np.ndarray:
     """Return the tangent error of all avatars."""
     error = np.full(len(found.avatars.joint_of), np.nan)
     for avatar in range(found.count):
-        tangent_error(found.world.skeleton, found.avatars, avatar, start, end, error)
+        tangent_error(found.rig, avatar, start, end, error)
     return error
 
 
@@ -106,7 +106,7 @@ def modelled(seed: int, by: float) -> Solver:
     """Return the trees apart from their target, with the model of each."""
     found = apart(seed, by)
     for avatar in range(found.count):
-        model(found.world.skeleton, found.avatars, avatar, found.state, found.world.poses, found.working.objective)
+        model(found.rig, avatar, found.state, found.world.poses, found.working.objective)
     return found
 
 
@@ -157,7 +157,7 @@ def nothing(found: Solver) -> np.ndarray:
 def test_the_value_is_the_sum_that_the_page_states(seed: int, by: float) -> None:
     found = modelled(seed, by)
     told = [
-        value_of(found.world.skeleton, found.avatars, avatar, found.state, found.world.poses, found.working.objective)
+        value_of(found.rig, avatar, found.state, found.world.poses, found.working.objective)
         for avatar in range(found.count)
     ]
     origins = found.working.objective.origin
@@ -202,7 +202,7 @@ def test_the_model_lies_above_the_lagrangian_to_second_order(seed: int, by: floa
     forces, arms = 5.0 * rng.normal(size=nothing(found).shape), 0.2 * rng.normal(size=nothing(found).shape)
     found.state.force[:], found.state.bend[:] = forces, np.linalg.norm(forces, axis=1) * np.linalg.norm(arms, axis=1)
     for avatar in range(found.count):
-        model(found.world.skeleton, found.avatars, avatar, found.state, found.world.poses, found.working.objective)
+        model(found.rig, avatar, found.state, found.world.poses, found.working.objective)
     metric, h, none = metric_of(found), 1e-4, np.zeros(len(found.avatars.joint_of))
     at = value_after(found, none, forces, arms)
     for _ in range(20):
@@ -221,7 +221,7 @@ def test_a_far_target_pulls_as_one_at_the_loss_radius(by: float) -> None:
         target = found.after(np.where(found.avatars.turn_weight > 0.0, turns, 0.0))
         target.root[0, 0] += far
         found.follow(target)
-        model(found.world.skeleton, found.avatars, 0, found.state, found.world.poses, found.working.objective)
+        model(found.rig, 0, found.state, found.world.poses, found.working.objective)
         pulls.append(gradient(found)[: found.avatars.first_dof[1]])
     d = radius(found)[0]
     assert pulls[1] == pytest.approx(pulls[0], abs=1e-9) and pulls[2] == pytest.approx(pulls[0], abs=1e-9)

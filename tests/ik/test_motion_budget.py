@@ -20,7 +20,7 @@ ND, LINKS = len(FOUND.avatars.joint_of), range(len(FOUND.world.skeleton.kind))
 def opened(speed: float, clipped: np.ndarray, own: np.ndarray) -> Solver:
     """Return the budgets of all avatars in a frame."""
     for avatar in range(FOUND.count):
-        open_budget(FOUND.world.skeleton, FOUND.avatars, avatar, SETTINGS, DT, speed, own, clipped, FOUND.state.budget)
+        open_budget(FOUND.rig, avatar, SETTINGS, DT, speed, own, clipped, FOUND.state.budget)
     return FOUND
 
 
@@ -48,8 +48,8 @@ def test_a_frame_of_many_steps_goes_no_farther_than_the_budget(seed: int, has_sl
         step = by * rng.normal(size=ND)
         asked = step.copy()
         for avatar in range(found.count):
-            keep_budget(skel, found.avatars, avatar, budget, has_slack, step)
-            spend(skel, found.avatars, avatar, step, budget)
+            keep_budget(found.rig, avatar, budget, has_slack, step)
+            spend(found.rig, avatar, step, budget)
         path += [parts_of(skel, link, step) for link in LINKS]
         for link in LINKS:
             mine = slice(skel.first_dof[link], skel.first_dof[link + 1])
@@ -66,7 +66,7 @@ def test_what_is_within_the_budget_is_taken_whole(seed: int) -> None:
     step = rng.normal(size=ND)
     found, kept = opened(0.0, step, step), step.copy()
     for avatar in range(found.count):
-        keep_budget(found.world.skeleton, found.avatars, avatar, found.state.budget, False, kept)
+        keep_budget(found.rig, avatar, found.state.budget, False, kept)
     assert (kept == step).all()
 
 
@@ -80,7 +80,7 @@ def test_bounds_are_the_budget_left_and_hinge_limits(seed: int) -> None:
     posture.angle[found.world.hinges[0]] = np.nextafter(skel.limits[found.world.hinges[0], 1], 9.0)
     found.state.budget.turned[:] = rng.uniform(0.0, 0.5, len(LINKS))
     for avatar in range(found.count):
-        bound_step(skel, found.avatars, avatar, posture, found.state.budget, s)
+        bound_step(found.rig, avatar, posture, found.state.budget, s)
     assert (s.low <= 0.0).all() and (s.high >= 0.0).all()
     for link in LINKS:
         d, last = skel.first_dof[link], skel.first_dof[link + 1]

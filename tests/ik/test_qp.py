@@ -46,7 +46,7 @@ def asked(seed: int, count: int, by: float = 0.1) -> tuple[Solver, Array, Array]
     found, rng = apart(seed, by), np.random.default_rng(seed)
     found.solve_for_all()
     for avatar in range(found.count):
-        model(found.world.skeleton, found.avatars, avatar, found.state, found.world.poses, found.working.objective)
+        model(found.rig, avatar, found.state, found.world.poses, found.working.objective)
     r, spans = found.working.rows, list(pairwise(found.avatars.first_dof.tolist()))
     r.used[0], r.ready[0] = count, 0
     obeying = rng.normal(0.0, 0.1, len(found.avatars.joint_of))
@@ -64,7 +64,7 @@ def asked(seed: int, count: int, by: float = 0.1) -> tuple[Solver, Array, Array]
 
 def solved(found: Solver) -> Array:
     """Return the step of all avatars."""
-    solve_qp(found.world.skeleton, found.avatars, 0, found.count, TOLERANCE, found.state, found.working)
+    solve_qp(found.rig, 0, found.count, TOLERANCE, found.state, found.working)
     return found.working.step.copy()
 
 

@@ -25,15 +25,15 @@ SETTINGS = PostureSettings()
 
 def clipped(found: Solver, tracker: Posture) -> Posture:
     """Return the clipped target of all avatars."""
-    clip_to_limits(found.world.skeleton, found.avatars, tracker, found.state.tracking, found.working.target)
+    clip_to_limits(found.rig, tracker, found.state.tracking, found.working.target)
     return copied(found.working.target)
 
 
 def met(found: Solver, tracker: Posture, has_changed: bool = False) -> np.ndarray:
     """Begin a frame with that target: the budget of each joint's turn, beyond the target's own turn."""
     clipped(found, tracker)
-    form_islands(found.world.geometry, found.world.skeleton, found.avatars, found.state, found.working)
-    open_budgets(found.world.skeleton, found.avatars, SETTINGS, tracker, DT, has_changed, found.state, found.working)
+    form_islands(found.rig, found.state, found.working)
+    open_budgets(found.rig, SETTINGS, tracker, DT, has_changed, found.state, found.working)
     return found.state.budget.turn.copy()
 
 

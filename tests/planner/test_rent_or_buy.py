@@ -8,7 +8,7 @@ import pytest
 from avatarsim.ik.kinematics import parts_of, tangent_error
 from avatarsim.ik.make import make_solver
 from avatarsim.ik.objective import value_of
-from avatarsim.ik.state import Avatars
+from avatarsim.ik.state import Avatars, Rig
 from avatarsim.model.skeleton import Posture
 from avatarsim.model.world import World, build
 from avatarsim.planner.ghost import put_ghost
@@ -33,24 +33,26 @@ class Planner(NamedTuple):
     plan: Plan
     ghost: Ghost
 
+    @property
+    def rig(self) -> Rig:
+        """Return the world as its avatar has it."""
+        return Rig(self.world.geometry, self.world.skeleton, self.avatars)
+
     def value(self, posture: Posture, target: Posture) -> float:
         """Return the objective [m^2] of a posture."""
-        geo, skel, g = self.world.geometry, self.world.skeleton, self.ghost
+        g = self.ghost
         for mine, other in zip(g.posture, posture, strict=True):
             mine[:] = other
-        put_ghost(geo, skel, self.avatars, 0, g)
-        aim_at_tracker(skel, self.avatars, 0, target, g)
-        tangent_error(skel, self.avatars, 0, posture, target, g.scratch.objective.error)
-        return float(value_of(skel, self.avatars, 0, g.state, g.poses, g.scratch.objective)[0])
+        put_ghost(self.rig, 0, g)
+        aim_at_tracker(self.rig, 0, target, g)
+        tangent_error(self.rig, 0, posture, target, g.scratch.objective.error)
+        return float(value_of(self.rig, 0, g.state, g.poses, g.scratch.objective)[0])
 
     def slice(self, target: Posture, work: int = 800) -> Outcome:
         """Run one slice of a search from the current posture of the world."""
         w, value = self.world, self.value(self.world.posture, target)
         return Outcome(
-            search(
-                w.geometry, w.skeleton, self.avatars, SETTINGS, 0, target, target, w.posture, w.poses, value, False, work,
-                self.plan, self.ghost,
-            )
+            search(self.rig, SETTINGS, 0, target, target, w.posture, w.poses, value, False, work, self.plan, self.ghost)
         )
 
 
@@ -60,7 +62,7 @@ def planner_of(scene: Scene) -> Planner:
     solver = make_solver(world.geometry, world.skeleton, world.posture, world.poses)
     up = np.array([0.0, 0.0, -9.8])
     plan, ghost = make_planner(world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, up, 0)
-    begin_search(world.skeleton, solver[0], 0, world.posture, plan)
+    begin_search(Rig(world.geometry, world.skeleton, solver[0]), 0, world.posture, plan)
     return Planner(world, solver[0], plan, ghost)
 
 
@@ -82,13 +84,13 @@ def test_a_path_is_bought_once_waiting_has_cost_as_much(seed: int) -> None:
     path = (shown, *nodes, target)
     s.count[0] = 0
     for k, node in enumerate(path):
-        plan.path[0, k] = add_node(skel, avatars, 0, node, NONE, 0, plan)
+        plan.path[0, k] = add_node(at_start.rig, 0, node, NONE, 0, plan)
     s.length[0], s.phase[0] = len(path), Phase.CUT
 
     def lasts(one: Posture, other: Posture) -> float:
         """Return the time [s] of an edge at the catch-up speeds: of the joint or root that takes longest."""
         way = np.zeros(int(skel.first_dof[-1]))
-        tangent_error(skel, avatars, 0, one, other, way)
+        tangent_error(at_start.rig, 0, one, other, way)
         parts = [parts_of(skel, link, way) for link in range(len(skel.kind))]
         return max(max(moved / SETTINGS.catch_up_move, turned / SETTINGS.catch_up_turn) for moved, turned in parts)
 
@@ -98,7 +100,7 @@ def test_a_path_is_bought_once_waiting_has_cost_as_much(seed: int) -> None:
 
     def bought(share: float, before: float) -> Outcome:
         s.paid[0], s.lasts[0] = share * cost, before
-        return Outcome(buy(skel, avatars, SETTINGS, 0, target, target, shown, values[0], plan, ghost))
+        return Outcome(buy(at_start.rig, SETTINGS, 0, target, target, shown, values[0], plan, ghost))
 
     for share, found in ((0.0, Outcome.SEARCHING), (0.999, Outcome.SEARCHING), (1.001, Outcome.FOUND), (9.0, Outcome.FOUND)):
         assert bought(share, sum(times)) == found and s.lasts[0] == pytest.approx(sum(times))
@@ -125,7 +127,7 @@ def test_a_dear_path_is_kept_and_shortened_until_it_is_paid() -> None:
 def test_a_path_begins_where_the_avatar_is_by_then() -> None:
     scene, _ = behind_the_wall(walker())
     planner = planner_of(moved_to_the_wall(scene))
-    skel, s, shown = planner.world.skeleton, planner.plan.searches, planner.world.posture
+    s, shown = planner.plan.searches, planner.world.posture
     target, first = displaced(shown, np.array([0.85, 0.0, 0.0])), displaced(shown, np.zeros(3))
     for _ in range(40):
         shown.root[0] += (0.0, -0.02, 0.0)
@@ -133,7 +135,7 @@ def test_a_path_begins_where_the_avatar_is_by_then() -> None:
     assert s.phase[0] >= Phase.CUT and plan_is_sound(planner.plan)
     places = []
     for k in range(s.length[0]):
-        get_node(skel, planner.avatars, 0, planner.plan.path[0, k], planner.plan, first)
+        get_node(planner.rig, 0, planner.plan.path[0, k], planner.plan, first)
         places.append(first.root[0].copy())
     assert np.linalg.norm(places[0] - shown.root[0]) < 0.15 and np.linalg.norm(places[-1] - target.root[0]) < 0.1
 
@@ -167,7 +169,7 @@ def test_a_kept_path_follows_a_near_target_or_is_stale() -> None:
         for _ in range(4):
             assert planner.slice(target) == Outcome.SEARCHING
     end = displaced(start, np.zeros(3))
-    get_node(planner.world.skeleton, planner.avatars, 0, planner.plan.path[0, s.length[0] - 1], planner.plan, end)
+    get_node(planner.rig, 0, planner.plan.path[0, s.length[0] - 1], planner.plan, end)
     assert np.linalg.norm(end.root[0] - target.root[0]) < 0.05
     assert planner.slice(displaced(start, np.array([-0.3, 0.0, 0.0]))) == Outcome.STALE
 

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from avatarsim.ik.make import make_solver
-from avatarsim.ik.state import Avatars
-from avatarsim.model.skeleton import Posture, Skeleton
+from avatarsim.ik.state import Rig
+from avatarsim.model.skeleton import Posture
 from avatarsim.model.world import build
 from avatarsim.planner.state import NONE, Plan, make_planner, plan_is_sound
 from avatarsim.planner.tree import AIM, add_node, get_node, keep_path, nearest_node, put_node, square_distance, trace_path
@@ -24,8 +24,7 @@ pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 class Little(NamedTuple):
     """The planner of a tree with every kind of joint, and its first posture."""
 
-    skel: Skeleton
-    avatars: Avatars
+    rig: Rig
     plan: Plan
     posture: Posture
 
@@ -38,7 +37,7 @@ def fresh() -> Little:
     plan, _ = make_planner(
         world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, np.array([0.0, 0.0, -9.8]), 0
     )
-    return Little(world.skeleton, solver[0], plan, world.posture)
+    return Little(Rig(world.geometry, world.skeleton, solver[0]), plan, world.posture)
 
 
 def drawn(posture: Posture, seed: int) -> Posture:
@@ -51,27 +50,27 @@ def drawn(posture: Posture, seed: int) -> Posture:
 def test_a_node_gives_back_the_posture_that_it_got_to_the_bit() -> None:
     at = fresh()
     for seed in range(3):
-        k = add_node(at.skel, at.avatars, 0, drawn(at.posture, seed), NONE, 0, at.plan)
+        k = add_node(at.rig, 0, drawn(at.posture, seed), NONE, 0, at.plan)
         found = drawn(at.posture, 9)
-        get_node(at.skel, at.avatars, 0, k, at.plan, found)
+        get_node(at.rig, 0, k, at.plan, found)
         assert k == seed and np.array_equal(found.root[0], drawn(at.posture, seed).root[0])
-        put_node(at.skel, at.avatars, 0, found, AIM, at.plan)
+        put_node(at.rig, 0, found, AIM, at.plan)
         assert np.array_equal(at.plan.node[0, AIM], at.plan.node[0, k]) and np.any(at.plan.node[0, k])
 
 
 def test_the_distance_is_that_of_the_objective_near_by() -> None:
     at = fresh()
-    one, w = at.posture, at.avatars.turn_weight
+    one, w = at.posture, at.rig.avatars.turn_weight
     moved = Posture(one.root.copy(), one.turn.copy(), one.angle.copy())
     moved.root[0] += (0.03, 0.0, 0.04)
-    slide = at.skel.first_dof[5]
-    moved.angle[at.skel.first_dof[2]] += 0.2
+    slide = at.rig.skel.first_dof[5]
+    moved.angle[at.rig.skel.first_dof[2]] += 0.2
     moved.angle[slide] += 0.1
     moved.turn[1] = moved.turn[1] @ rotation.to_matrix(rotation.from_axis_angle((1.0, 0.0, 0.0), 0.01))
     for k, posture in enumerate((one, moved)):
-        put_node(at.skel, at.avatars, 0, posture, k, at.plan)
-    wanted = 7 * 0.05**2 + w[slide] * 0.1**2 + w[at.skel.first_dof[2]] * 0.2**2 + w[at.skel.first_dof[1]] * 0.01**2
-    assert square_distance(at.skel, at.avatars, 0, 0, 1, at.plan) == pytest.approx(wanted, rel=1e-4)
+        put_node(at.rig, 0, posture, k, at.plan)
+    wanted = 7 * 0.05**2 + w[slide] * 0.1**2 + w[at.rig.skel.first_dof[2]] * 0.2**2 + w[at.rig.skel.first_dof[1]] * 0.01**2
+    assert square_distance(at.rig, 0, 0, 1, at.plan) == pytest.approx(wanted, rel=1e-4)
 
 
 @given(st.lists(st.tuples(st.floats(-2.0, 2.0), st.integers(0, 1)), min_size=2, max_size=20), st.floats(-2.0, 2.0))
@@ -79,12 +78,12 @@ def test_the_nearest_node_of_a_tree_is_found(nodes: list[tuple[float, int]], aim
     at = fresh()
     for x, tree in nodes:
         at.posture.root[0] = (x, 0.0, 0.0)
-        add_node(at.skel, at.avatars, 0, at.posture, NONE, tree, at.plan)
+        add_node(at.rig, 0, at.posture, NONE, tree, at.plan)
     at.posture.root[0] = (aim, 0.0, 0.0)
-    put_node(at.skel, at.avatars, 0, at.posture, AIM, at.plan)
+    put_node(at.rig, 0, at.posture, AIM, at.plan)
     mine = [abs(x - aim) for x, tree in nodes if tree == 1]
     if mine:
-        found = nearest_node(at.skel, at.avatars, 0, AIM, 1, at.plan)
+        found = nearest_node(at.rig, 0, AIM, 1, at.plan)
         assert nodes[found][1] == 1 and abs(nodes[found][0] - aim) == pytest.approx(min(mine), abs=1e-9)
 
 
@@ -96,7 +95,7 @@ def grown(parents: list[int]) -> tuple[Little, list[int]]:
         before.append(parent % (k + 2))
     for k, parent in enumerate(before):
         at.posture.root[0] = (float(k), 0.0, 0.0)
-        add_node(at.skel, at.avatars, 0, at.posture, parent, k, at.plan)
+        add_node(at.rig, 0, at.posture, parent, k, at.plan)
     return at, before
 
 
