@@ -1,4 +1,4 @@
-"""Disturbances of timing by the machine: clock, processors that may be used, load, and time of other work."""
+"""Disturbances of timing by the machine: clock, processors that may be used, load, time of other work, pace of the core."""
 
 import math
 import os
@@ -13,6 +13,14 @@ CPUINFO, FASTEST = Path("/proc/cpuinfo"), Path("/sys/devices/system/cpu/cpu0/cpu
 """Linux: the clock now [MHz], and the highest [kHz]."""
 IDLE, WAITING, FIRST_GUEST = 3, 4, 8
 """Indices among the counts of STAT."""
+LOOP, LOOPS = 3_000, 50
+"""Steps of a loop of fixed work, a tenth of a millisecond, and loops by which a process learns its pace. Fewer: disturbances
+of a few microseconds count; more: each repeat begins later."""
+SLOWED = 1.2
+"""Share of the fastest loop above which the core is shared: its other thread slows one to 1.5 to 1.8. Smaller: the loop's own
+noise counts; larger: slower clocks do not."""
+PATIENCE = 0.3
+"""Longest wait [s] for the full pace. Shorter: most disturbances outlast it; longer: timing on a loaded machine takes longer."""
 
 
 def usable_cpus() -> int:
@@ -78,3 +86,35 @@ class Meter:
         """Mean number of processors that other work kept busy; None where it is unknown."""
         mean = self._all / self.seconds - 1.0 if self.seconds > 0.0 else math.nan
         return None if math.isnan(mean) else max(0.0, mean)
+
+
+def loop_ns() -> int:
+    """Return the least time [ns] of three loops of fixed work."""
+    least = 1 << 62
+    for _ in range(3):
+        total, begun = 0, time.perf_counter_ns()
+        for k in range(LOOP):
+            total += k * k
+        least = min(least, time.perf_counter_ns() - begun)
+    return least
+
+
+class Pace:
+    """Wait until the core runs at its full pace: neighbours on a shared core slow it for tenths of a second.
+
+    Where the wait is in vain, as on a machine with other work, the next one is half as long.
+    """
+
+    def __init__(self, loop: Callable[[], float] = loop_ns, now: Callable[[], float] = time.monotonic) -> None:
+        self._loop, self._now = loop, now
+        self._fastest, self.patience = min(loop() for _ in range(LOOPS)), PATIENCE
+
+    def wait(self) -> bool:
+        """Return True once the core runs at its full pace; False where it does not in time."""
+        end = self._now() + self.patience
+        while (took := self._loop()) > SLOWED * self._fastest:
+            if self._now() > end:
+                self.patience *= 0.5
+                return False
+        self._fastest, self.patience = min(self._fastest, took), min(PATIENCE, 2.0 * self.patience)
+        return True

@@ -20,6 +20,7 @@ from avatarsim.scene.tracker import TrackerSample
 from scenarios.engines import opened
 from scenarios.job import Job
 from scenarios.run.accuracy import prepare
+from scenarios.run.machine import Pace
 from scenarios.run.processes import context
 
 TIMEOUT = 300.0
@@ -85,6 +86,7 @@ def repeat(job: Job, frames: int) -> Repeat:
 def _serve(connection: Connection) -> None:
     """Load each job that comes in, and run it on command; answer either with the seconds it took. None ends the process."""
     settled()
+    pace = Pace()
     try:
         while (order := connection.recv()) is not None:
             begun = time.perf_counter()
@@ -92,6 +94,7 @@ def _serve(connection: Connection) -> None:
             connection.send((time.perf_counter() - begun, None))
             if connection.recv() is None:
                 return
+            pace.wait()
             begun = time.perf_counter()
             answer = loaded.run()
             connection.send((time.perf_counter() - begun, answer))

@@ -96,11 +96,12 @@ class _Reading:
         self._m, self._path, self._file, self._options = model, path, path.name, options
         self._said: list[str] = []
         self._names = _distinct([name or f"body {k}" for k, name in enumerate(model.body_name)])
-        self._geoms = Geoms(model, options.pieces, options.leave)
         self._masses = Masses(model, self._names)
         self._title = model.model_name.strip() if model.model_name not in ("", UNNAMED) else path.stem
         self._laws = Laws(model, path.name)
         self._pose = start_pose(model, options.keyframe, path.name)
+        roots = [self._pose.root(bodies[0])[0] for bodies in trees(model) if np.isin(model.jnt_bodyid, bodies).any()]
+        self._geoms = Geoms(model, options.pieces, options.leave, np.array(roots or [np.zeros(3)]))
         self._filter = Filter(model, options.masks)
         self._parts: dict[str, Part] = {}
         self._moving: list[Avatar] = []
@@ -378,7 +379,8 @@ class _Reading:
         planes = int((self._m.geom_type[self._geoms.touching] == GeomKind.PLANE).sum())
         if planes:
             boxes = "plane is a box" if planes == 1 else "planes are boxes"
-            self._said.append(f"{planes} {boxes} of 200 m by 200 m, 10 m deep")
+            wide, _, deep = self._geoms.plane
+            self._said.append(f"{planes} {boxes} of {wide:.0f} m by {wide:.0f} m, {deep:.0f} m deep")
 
 
 def _distinct(names: list[str]) -> dict[int, str]:

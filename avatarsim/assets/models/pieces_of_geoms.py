@@ -34,7 +34,7 @@ PRIMITIVES = {
 
 PLANE = (200.0, 200.0, 10.0)
 """Full size [m] of the box for an infinite plane, below it: farther than an avatar walks in minutes, deeper than one falls in a
-frame."""
+frame. It lies about the foot of the middle of what moves, wherever the plane's own centre is."""
 
 Visual = Piece | tuple[Array, Indices]
 """A drawn part of a body: a primitive, or vertices (n, 3) [m] and triangles (t, 3) of a mesh."""
@@ -69,11 +69,12 @@ class MeshWishes:
 
 @dataclass(eq=False)
 class Geoms:
-    """The geoms of a model that bodies collide with, less those named in `leave`."""
+    """The geoms of a model that bodies collide with, less those named in `leave`. `roots` (n, 3) [m]: places of what moves."""
 
     model: Compiled
     wanted: MeshWishes = MeshWishes()
     leave: tuple[str, ...] = ()
+    roots: Array = field(default_factory=lambda: np.zeros((1, 3)))
     _hull: tuple[float, str] = (0.0, "")
     _decomposed: tuple[float, str] = (0.0, "")
     _meshes: dict[int, tuple[ConvexHull, ...]] = field(default_factory=dict)
@@ -86,6 +87,13 @@ class Geoms:
         for name in self.wanted.meshes if isinstance(self.wanted.meshes, tuple) else ():
             if name not in self.model.mesh_name:
                 raise UnknownName("mesh to decompose", name, self.model.mesh_name)
+
+    @cached_property
+    def plane(self) -> tuple[float, float, float]:
+        """Return the full size [m] of the box for an infinite plane: PLANE, wider where what moves is far apart."""
+        far = float(np.linalg.norm(self.roots - self.roots.mean(axis=0), axis=1).max())
+        wide = PLANE[0] + (2.0 * far if far > 0.25 * PLANE[0] else 0.0)
+        return wide, wide, PLANE[2]
 
     @cached_property
     def touching(self) -> NDArray[np.bool_]:
@@ -110,8 +118,9 @@ class Geoms:
         kind = int(self.model.geom_type[geom])
         try:
             if kind == GeomKind.PLANE:
-                middle = at - rotation.rotate(about, (0.0, 0.0, 0.5 * PLANE[2]))
-                return (Piece(Box(PLANE), vector_of(middle), quaternion_of(about)),)
+                x, y = self._off_centre(geom)
+                middle = at + rotation.rotate(about, (x, y, -0.5 * PLANE[2]))
+                return (Piece(Box(self.plane), vector_of(middle), quaternion_of(about)),)
             return tuple(Piece(shape, vector_of(at), quaternion_of(about)) for shape in self._shapes(geom, kind))
         except InvalidShape as error:
             raise InvalidFile(f"shape of {self.label(geom)}: {error.thing}", error.value, error.valid) from error
@@ -149,6 +158,15 @@ class Geoms:
             elif kind in PRIMITIVES and (self.model.geom_size[geom][: PRIMITIVES[kind]] > SHORTEST).all():
                 found.append(int(geom))
         return found
+
+    def _off_centre(self, geom: int) -> Array:
+        """Return x and y [m] of the middle of what moves, in the frame of a plane, which stands still."""
+        at, about, body = self.model.geom_pos[geom], self.model.geom_quat[geom], int(self.model.geom_bodyid[geom])
+        while body > 0:
+            turn = self.model.body_quat[body]
+            at, about = self.model.body_pos[body] + rotation.rotate(turn, at), rotation.multiply(turn, about)
+            body = int(self.model.body_parentid[body])
+        return rotation.rotate(rotation.conjugate(about), self.roots.mean(axis=0) - at)[:2]
 
     def _placed(self, geom: int, offset: Array, turn: Array) -> tuple[Array, Array]:
         """Return position and orientation of a geom in a frame in which its body's is at `offset`, turned by `turn`."""

@@ -48,6 +48,28 @@ def test_a_plane_is_a_box_below_it(tmp_path: Path) -> None:
     np.testing.assert_allclose(rotation.rotate(piece.orientation, (0.0, 0.0, 1.0)), (-1.0, 0.0, 0.0), atol=1e-12)
 
 
+OFF = ('pos="0 0 1"', 'pos="248 -90 1"', 'pos="-40 3 1" zaxis="1 0 0"', 'pos="7 150 0" euler="0.3 0.1 2"')
+
+
+@pytest.mark.parametrize("place", OFF)
+@pytest.mark.parametrize("torsos", [((0.0, 0.0),), ((300.0, -20.0),), ((0.0, 0.0), (400.0, 300.0))])
+def test_a_plane_is_under_what_moves_wherever_its_centre_is(
+    place: str, torsos: tuple[tuple[float, float], ...], tmp_path: Path
+) -> None:
+    parts = '<joint type="slide"/><geom size="0.1"/>'
+    bodies = "".join(f'<body name="torso {k}" pos="{x} {y} 9">{parts}</body>' for k, (x, y) in enumerate(torsos))
+    ground = f'<geom name="ground" type="plane" size="250 0.8 0.2" {place}/>'
+    path = tmp_path / "walkers.xml"
+    path.write_text(f'<mujoco><worldbody><body name="base">{ground}</body>{bodies}</worldbody></mujoco>')
+    model = av.load_avatar(path, avatar="torso 0")
+    base = next(body for body in model.room if body.name == "base")
+    (piece,) = base.pieces
+    assert isinstance(piece.shape, av.Box)
+    for x, y in torsos:
+        off = rotation.rotate(rotation.conjugate(piece.orientation), np.subtract((x, y, 9.0), piece.position))
+        assert (np.abs(off[:2]) <= 0.5 * piece.shape.size[0] - 99.0).all(), "with room to walk"
+
+
 def test_a_prism_stands_around_its_cylinder(tmp_path: Path) -> None:
     shape = room_of(tmp_path, '<geom name="can" type="cylinder" size="0.3 0.5"/>')["can"].pieces[0].shape
     assert isinstance(shape, av.ConvexHull) and len(shape.vertices) == 2 * SIDES

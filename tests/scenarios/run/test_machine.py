@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.run.machine import Meter, busy_seconds, clock
+from scenarios.run.machine import LOOPS, Meter, Pace, busy_seconds, clock
 
 
 def test_the_clock_is_that_of_the_fastest(tmp_path: Path) -> None:
@@ -53,3 +53,29 @@ def test_work_of_others_is_never_negative_and_may_be_unknown() -> None:
     assert metered([0.0, 0.9], [0.0, 1.0]).others == 0.0
     assert metered([math.nan, 0.9, 1.0, 2.0], [0.0, 1.0, 2.0, 3.0]).others is None
     assert Meter().others is None
+
+
+def test_a_core_is_waited_for_until_it_is_fast_again() -> None:
+    loops, now = [100.0] * LOOPS + [170.0, 160.0, 110.0, 80.0, 110.0, 90.0], iter(range(1000))
+    given = iter(loops)
+    pace = Pace(lambda: next(given), lambda: 1e-3 * next(now))
+    assert pace.wait() and next(given) == 80.0, "slow loops, until one is fast"
+    assert pace.wait() and next(given) == 90.0, "as fast as 100, within the noise"
+
+
+def test_waits_in_vain_become_shorter_and_long_again() -> None:
+    speed, now = [100.0], [0.0]
+
+    def passing() -> float:
+        now[0] += 1e-3
+        return now[0]
+
+    pace = Pace(lambda: speed[0], passing)
+    speed[0], waits = 170.0, []
+    for _ in range(4):
+        begun = now[0]
+        assert not pace.wait()
+        waits.append(now[0] - begun)
+    assert waits == pytest.approx([0.3, 0.15, 0.075, 0.0375], abs=3e-3)
+    speed[0] = 100.0
+    assert all(pace.wait() for _ in range(4)) and pace.patience == pytest.approx(0.3)
