@@ -1,7 +1,7 @@
 """Strip charts: a dot per scene, a row per engine, filled where the figure compares engines."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from reports.charts import marks
 from reports.charts.marks import Spec, layer, name, number
@@ -47,6 +47,14 @@ STRIPS: Mapping[str, Strip] = {
 """The four quantities that the comparison is about."""
 
 
+def strips(run: Run) -> Mapping[str, Strip]:
+    """Return the four charts of a run, that of times with the metric that compares its engines."""
+    time = STRIPS["time"]
+    return STRIPS if run.frame_time == time.metric else {
+        **STRIPS, "time": replace(time, subtitle="median", metric=run.frame_time)
+    }
+
+
 def strip(run: Run, chart: Strip, described: str, named: bool = True) -> Spec:
     """Return the chart of a run; ``named``: with the names of the engines."""
     order = [run_label(one) for one in run.runs]
@@ -76,15 +84,15 @@ def strip(run: Run, chart: Strip, described: str, named: bool = True) -> Spec:
 
 def _dots(run: Run, chart: Strip) -> list[Spec]:
     """Return the values of a chart, one for each figure of its metric."""
-    rows = run.main_rows(chart.metric)
-    shares, unit = rows.groupby("run").even.mean(), METRICS[chart.metric].unit
+    rows, typical, unit = run.main_rows(chart.metric), run.typical(chart.metric), METRICS[chart.metric].unit
+    counted = set(typical.run[typical.counted])
     return [
         {
             "scene": row.scenario, "engine": row.engine, "label": run_label(row.run),
             "value": chart.high if row.value != row.value else min(max(row.value, chart.low), chart.high),
             "text": quantity(row.value, unit),
-            "even": row.even, "counted": bool(row.even and shares[row.run] >= 0.5),
-            "why": "; ".join(part for part in (row.even and "yes", row.why, row.by and f"preset {row.by}") if part),
+            "even": row.even, "counted": bool(row.even and row.run in counted),
+            "why": "; ".join(filter(None, ("yes" if row.even else "no", row.why, row.by and f"preset {row.by}"))),
             "place": marks.place_of(row.scenario),
         }
         for row in rows.itertuples()

@@ -65,7 +65,7 @@ def page(
         damage=damage, verdict=verdict(checks), sound=checks.is_sound, scenes=run.rows.scenario.nunique(),
         failed=rows(checks.failed), waived=rows(checks.waived), missing=rows(pd.concat([checks.crashed, checks.unmeasured])),
         stills=list(stills), replayed=sorted(replayed),
-        shown_first=next((name for name in stills if name in run.avatars), ""), strips=strips.STRIPS,
+        shown_first=next((name for name in stills if name in run.avatars), ""), strips=strips.strips(run),
         has_settings=settings is not None, has_cases=cases is not None, has_effects=effects is not None, levels=LEVELS,
         laws=[] if law is None else list(dict.fromkeys(law.law)), lines=lines,
         figures=f"{len(run.rows):,}", files=files, bench="bench.html" in files, commit=str(info.get("commit") or "")[:8],
@@ -81,7 +81,7 @@ def _charts(
     """Return the charts of the page by name; those of tables that the run has not are left out."""
     specs = {
         name: strips.strip(run, chart, f"{chart.title}, a dot per scene.", name == "overlap")
-        for name, chart in strips.STRIPS.items()
+        for name, chart in strips.strips(run).items()
     }
     if settings is not None:
         specs["settings"] = curves.error_against_time(list(dict.fromkeys(settings.engine)))

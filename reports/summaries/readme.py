@@ -8,7 +8,7 @@ import vl_convert
 
 from avatarsim.errors import InvalidFile
 from reports.charts.marks import coloured, palette
-from reports.charts.strips import STRIPS, strip
+from reports.charts.strips import strip, strips
 from reports.summaries.text import foot, table
 from reports.tables.run import Run
 
@@ -41,7 +41,7 @@ def block(run: Run) -> str:
 def picture(run: Run) -> str:
     """Return the four strip charts as one SVG, in light colours."""
     charts = []
-    for (name, chart), width in zip(STRIPS.items(), WIDTHS, strict=True):
+    for (name, chart), width in zip(strips(run).items(), WIDTHS, strict=True):
         title = {"text": chart.title, "anchor": "start"}
         spec = strip(run, chart, chart.title, name == "overlap") | {"width": width, "title": title}
         # a static picture has nothing to point with

@@ -23,11 +23,11 @@ LOSSES = 5
 
 COLUMNS = {
     "overlap, median": "residual_overlap_max", "scenes > 1 µm": "residual_overlap_max", "bounce error": "restitution_error_max",
-    "beyond limit": "joint_limit_excess_max", "frame p95": "frame_time_p95",
+    "beyond limit": "joint_limit_excess_max",
 }
-"""Heads of the table of engines and their metrics; the first column is the engine."""
-COUNTED, LOOSE = "scenes > 1 µm", "frame p95"
-"""Columns of numbers of scenes, and of scenes without an avatar; all others are medians."""
+"""Heads of the table of engines and their metrics; the first column is the engine, the last its frame time."""
+COUNTED = "scenes > 1 µm"
+"""Column of numbers of scenes; all others are medians."""
 
 BRACKETS = "In brackets: not like for like. Frame times: scenes without an avatar."
 
@@ -38,16 +38,21 @@ def foot(run: Run) -> str:
 
 
 def engines(run: Run) -> list[list[str]]:
-    """Return a row per engine of short tables: its label and the figures of COLUMNS."""
-    return [[run_label(name), *(_cell(run, name, head) for head in COLUMNS)] for name in run.runs]
+    """Return a row per engine of short tables: its label and the figures of `columns`."""
+    return [[run_label(name), *(_cell(run, name, head, metric) for head, metric in columns(run).items())] for name in run.runs]
 
 
-def _cell(run: Run, name: str, head: str) -> str:
-    part = run.main_rows(COLUMNS[head])
-    part = part[(part.run == name) & ~(part.scenario.isin(run.avatars) & (head == LOOSE))]
+def columns(run: Run) -> dict[str, str]:
+    """Return the heads of the table of engines of a run and their metrics."""
+    return COLUMNS | {label(run.frame_time): run.frame_time}
+
+
+def _cell(run: Run, name: str, head: str, metric: str) -> str:
+    part = run.typical(metric)
+    part = part[part.run == name]
     if part.empty:
         return "–"
-    even = float(part.even.mean()) >= 0.5
+    even = bool(part.counted.iloc[0])
     part = part[part.even] if even else part
     if head == COUNTED:
         text = f"{int((~(part.value <= 1e-6)).sum())} of {len(part)}"
@@ -102,7 +107,7 @@ def terminal(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.Da
     lines = [headline(checks)]
     for title, content in blocks(run, checks, changes, losses):
         lines += ["", title, *(f"  {line}" for line in content)]
-    rows = [["engine", *COLUMNS], *engines(run)]
+    rows = [["engine", *columns(run)], *engines(run)]
     if len(rows) > 2:
         first, *widths = (max(map(len, column)) for column in zip(*rows, strict=True))
         lines.append("")
@@ -128,9 +133,9 @@ def markdown(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.Da
 
 def table(run: Run) -> list[str]:
     """Return the table of engines as lines of Markdown."""
-    rows = [["engine", *COLUMNS], *engines(run)]
+    rows = [["engine", *columns(run)], *engines(run)]
     head, *lines = ["| " + " | ".join(row) + " |" for row in rows]
-    return [head, "|---|" + "---:|" * len(COLUMNS), *lines]
+    return [head, "|---|" + "---:|" * len(columns(run)), *lines]
 
 
 def _line(row: Any, after: str) -> str:

@@ -9,7 +9,7 @@ import pandas as pd
 
 from avatarsim.errors import InvalidFile
 from reports.reading.load import Results, load
-from runfiles.comparable import AVATAR_METRIC, FEW_FRAMES, reasons
+from runfiles.comparable import AVATAR_METRIC, TIME, reasons
 from runfiles.engines import about, main_runs
 from runfiles.naming import GATED
 
@@ -37,13 +37,13 @@ class Run:
         measured       flag: a number was measured, finite or not
         bound, waiver  float, NaN without; a value above the bound passes up to the waiver
         why            reason why the figure does not compare engines, "" where it does
-        even           flag: measured in the same way as the other engines' figures
+        even           flag: it does, for short
         """
         listed = [{**vars(row), "run": row.run, "measured": row.value is not None} for row in self.results.rows]
         rows = pd.DataFrame(listed).rename(columns={"ceiling": "waiver"})
         rows = rows.astype(dict.fromkeys(("value", "bound", "waiver"), float))
         rows["why"] = reasons(rows, self.results.engines)
-        rows["even"] = rows.why.isin(("", FEW_FRAMES))
+        rows["even"] = rows.why == ""
         return rows
 
     @cached_property
@@ -100,6 +100,23 @@ class Run:
         is_left = [key not in gone for key in zip(main.run, main.scenario, strict=True)]
         joined = pd.concat([main[pd.Series(is_left, index=main.index, dtype=bool) | main.even], *parts])
         return joined[~joined.duplicated(["run", "scenario", "seed"])]
+
+    @cached_property
+    def frame_time(self) -> str:
+        """Metric of frame times in short tables: the tail, or the median where the tail compares engines in too few scenes."""
+        counts = self.rows.metric[self.rows.even & self.rows.measured & self.rows.run.isin(self.runs)].value_counts()
+        tail, median = TIME + "p95", TIME + "p50"
+        return tail if 2 * counts.get(tail, 0) >= counts.get(median, 0) else median
+
+    def typical(self, metric: str) -> pd.DataFrame:
+        """Return the main rows of a metric that a median is taken over: times without those of avatar scenes.
+
+        The column `counted` says whether at least half of the figures of a run compare engines: else it has no median.
+        """
+        rows = self.main_rows(metric)
+        if metric.startswith(TIME):
+            rows = rows[~rows.scenario.isin(self.avatars)]
+        return rows.assign(counted=rows.groupby("run").even.transform("mean") >= 0.5)
 
     @property
     def name(self) -> str:
