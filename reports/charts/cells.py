@@ -1,6 +1,7 @@
 """Charts of cells: hard cases by engine, effects by scene; and bars of losses."""
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from itertools import groupby
 
@@ -11,7 +12,7 @@ from reports.charts import marks
 from reports.charts.marks import Spec, layer, name, number
 from reports.tables.figures import quantity
 from reports.tables.run import Run
-from runfiles.engines import run_label
+from runfiles.engines import about, run_label
 from runfiles.metrics import label
 
 NAMES = {"limits": "joint limits", "continuous": "continuous collision", "gyroscopic": "gyroscopic torque"}
@@ -106,20 +107,32 @@ def _cost(share: float) -> str:
 
 
 def bars(losses: pd.DataFrame) -> Spec:
-    """Return for each metric the share of scenes in which another engine is better."""
+    """Return for each metric the number of scenes in which another engine is better, by the engine that is best there.
+
+    The metric of the page's list is the signal `chosen`.
+    """
     values = [
         {
-            "label": row.label, "share": row.share, "text": f"{row.lost} of {row.scenes}", "scene": row.scene, "run": row.run,
-            "own": quantity(row.own, row.unit), "best": quantity(row.best, row.unit),
+            "metric": row.metric, "label": row.label, "engine": engine, "best": about(engine).label, "count": count,
+            "lost": row.lost, "text": f"{row.lost} of {row.scenes}", "is_first": k == 0,
         }
         for row in losses[losses.lost > 0].itertuples()
+        for k, (engine, count) in enumerate(sorted(Counter(one.run.partition("/")[0] for one in row.each).items()))
     ]
     y = name("label", sort=None, axis=marks.NAMES | {"labelLimit": 230, "labelPadding": 8})
-    x = number("share", scale={"domain": [0, 1.3]}, axis=marks.BARE | {"format": "%", "values": [0, 0.25, 0.5, 0.75, 1]})
-    tip = marks.tooltip(label="measure", text="scenes", scene="widest in", own="avatarsim", best="best", run="of")
+    axis = marks.BARE | {"tickCount": 5, "format": "d", "title": "scenes"}
+    most = max((1.2 * value["lost"] for value in values), default=1.0)
+    scale, engines = {"domain": [0, most], "nice": False}, list(dict.fromkeys(value["engine"] for value in values))
+    tip = marks.tooltip(label="measure", best="best engine", count="in scenes", text="of all engines")
+    bar = {
+        "x": number("count", scale=scale, axis=axis), "color": marks.by_engine(engines),
+        "opacity": {"condition": {"test": "datum.metric == chosen", "value": 1}, "value": 0.6},
+    }
     layers = [
-        layer("bar", {"x": x}, height=12, cornerRadiusEnd=2, color="@muted", cursor="pointer", opacity=0.75),
-        layer("text", {"x": x, "text": name("text")}, align="left", dx=5, fontSize=11, color="@muted"),
+        layer("bar", bar, height=13, cursor="pointer"),
+        {"transform": [{"filter": "datum.is_first"}]}
+        | layer("text", {"x": number("lost"), "text": name("text")}, align="left", dx=5, color="@muted", cursor="pointer"),
     ]
-    described = "Share of scenes in which another engine is better, by measure."
-    return marks.chart(described, 19 * max(len(values), 1), layers, values, encoding={"y": y, "tooltip": tip})
+    described = "Scenes in which another engine is better, by measure and best engine."
+    height, params = 19 * max(len({one["label"] for one in values}), 1), [{"name": "chosen", "value": ""}]
+    return marks.chart(described, height, layers, values, encoding={"y": y, "tooltip": tip}, params=params)

@@ -54,8 +54,8 @@ def page(
     def rows(table: pd.DataFrame) -> list[Any]:
         return list(table.itertuples())
 
-    def address(row: Any) -> str:
-        return f"scenes/{row.scenario}.html{moment(run.results, row.scenario, row.run, row.metric, instants)}"
+    def place(scene: str, metric: str, name: str = run.gated) -> str:
+        return f"scenes/{scene}.html{moment(run.results, scene, name, metric, instants)}"
 
     js, vega = "".join(map(scripts.source, ("theme.js", "index.js"))), scripts.vega()
     tables_js, tables_css = scripts.data_tables()
@@ -71,7 +71,8 @@ def page(
         figures=f"{len(run.rows):,}", files=files, bench="bench.html" in files, commit=str(info.get("commit") or "")[:8],
         machine=f"{info.get('cpus', '')} × {info.get('cpu', '')}",
         versions=" · ".join(map(" ".join, run.versions.items())),
-        repeats=dict(info.get("timing") or {}).get("repeats", 3), changes=changes and changes.of(run.gated), address=address,
+        repeats=dict(info.get("timing") or {}).get("repeats", 3), changes=changes and changes.of(run.gated), place=place,
+        lost=rows(losses[losses.lost > 0]), rivals=dict.fromkeys(one.partition("/")[0] for one in run.rivals),
     )
 
 
@@ -89,7 +90,9 @@ def _charts(
         specs["hard"] = cells.hard_cases(run, cases)
     if effects is not None:
         specs["effects"] = cells.effects(effects)
-    return specs | {"losses": cells.bars(losses)}
+    if losses.lost.any():
+        specs["losses"] = cells.bars(losses)
+    return specs
 
 
 def verdict(checks: Checks) -> str:

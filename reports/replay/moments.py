@@ -19,6 +19,8 @@ LEVER = 0.1
 OVERLAPS = ("residual_overlap_max", "residual_overlap_p95", "residual_overlap_mean")
 TIMES = ("frame_time_p95", "frame_time_p99", "frame_time_max")
 """Metrics with a stored number per state, and per timed frame."""
+ALIKE = {"tracker_offset_rms": "tracker_offset_max", "reversal_p95": "reversal_max"}
+"""Metrics whose worst moment is that of another one."""
 
 
 class Kind(Enum):
@@ -188,7 +190,7 @@ def moment(results: Results, scene: str, run: str, metric: str, known: Mapping[s
 
     "" for metrics without either.
     """
-    time = known.get(scene, {}).get(metric)
+    time = known.get(scene, {}).get(ALIKE.get(metric, metric))
     if time is not None:
         return address(time)
     dt, series = results.frame_times.get(scene), results.series.get(scene, {}).get(run)

@@ -85,9 +85,9 @@ def blocks(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.Data
         filled.append((f"since {own.since}: {own.count('worse')} worse, {own.count('better')} better", _cut(lines)))
     room = [_line(row, _limit(row)) for row in least_room(checks).itertuples()]
     lost = [
-        f"{row.lost:>3} of {row.scenes:<4}{row.label:<32}{_value(row.own, row.unit):>10} against "
-        f"{_value(row.best, row.unit)} ({row.run}, {row.scene})"
-        for row in losses[losses.lost > 0].head(LOSSES).itertuples()
+        f"{row.lost:>3} of {row.scenes:<4}{row.label:<32}{_value(one.own, row.unit):>10} against "
+        f"{_value(one.best, row.unit)} ({run_label(one.run)}, {one.scene})"
+        for row in losses[losses.lost > 0].head(LOSSES).itertuples() for one in row.each[:1]
     ]
     return filled + [(title, lines) for title, lines in (("least room", room), ("another engine is better in", lost)) if lines]
 

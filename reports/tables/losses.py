@@ -1,28 +1,38 @@
 """Where another engine is better than the gated one, by metric."""
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import pandas as pd
 
 from reports.tables.run import Run
-from runfiles.engines import run_label
 from runfiles.metrics import RANKED, Metric
 
 POWERS: Mapping[str, int] = {"m": 1, "m/s": 1, "J": 2}
 """Powers of the size of a scene's world that figures in a unit grow with; they are compared as in a world of size 1."""
 
-COLUMNS = ("metric", "label", "unit", "scenes", "lost", "share", "scene", "own", "best", "run")
+COLUMNS = ("metric", "label", "unit", "scenes", "lost", "share", "each")
+
+
+class Loss(NamedTuple):
+    """A scene in which `run` of another engine is best, and figures of the gated engine and of that run."""
+
+    scene: str
+    own: float
+    best: float
+    run: str
 
 
 def losses(run: Run) -> pd.DataFrame:
     """Compare the gated engine with the best of the others in every scene and ranked metric.
 
     Returns:
-        Columns metric, label, unit, scenes (compared), lost, share, and of the widest loss scene, own, best, run. Sorted by lost.
+        Columns metric, label, unit, scenes (compared), lost, share, each: a `Loss` per lost scene, the widest first. Sorted by
+        lost.
     """
     rows = run.rows[run.rows.metric.isin(RANKED) & (run.rows.why == "")]
     sizes = rows.scenario.map(run.results.scales).fillna(1.0) ** rows.unit.map(POWERS).fillna(0)
-    rows = rows.assign(value=rows.value / sizes)
+    rows = rows.assign(value=rows.value / sizes, size=sizes)
     wrong = run.rows[(run.rows.metric == "wrong_side_frames") & ~(run.rows.value <= 0.0)]
     left = set(zip(wrong.scenario, wrong.run, strict=True))
     parts = [_of_metric(part, RANKED[name], run, left) for name, part in rows.groupby("metric", sort=False)]
@@ -45,12 +55,11 @@ def _of_metric(part: pd.DataFrame, metric: Metric, run: Run, left: set[tuple[str
     both = theirs.set_index("scenario").join(ours.rename("own"), how="inner")
     if both.empty:
         return None
+    both["size"] = part.groupby("scenario")["size"].first()
     lost = both[[metric.better(best, mine) for best, mine in zip(both.value, both.own, strict=True)]]
-    entry: dict[str, object] = {
+    widest = lost.loc[(lost.own - lost.value).fillna(float("inf")).sort_values(ascending=False, kind="stable").index]
+    each = [Loss(str(row.Index), row.own * row.size, row.value * row.size, row.run) for row in widest.itertuples()]
+    return {
         "metric": metric.name, "label": metric.label, "unit": metric.unit, "scenes": len(both), "lost": len(lost),
-        "share": len(lost) / len(both), "scene": "", "own": float("nan"), "best": float("nan"), "run": "",
+        "share": len(lost) / len(both), "each": each,
     }
-    if len(lost):
-        worst = lost.loc[(lost.own - lost.value).fillna(float("inf")).idxmax()]
-        entry |= {"scene": worst.name, "own": worst.own, "best": worst.value, "run": run_label(str(worst.run))}
-    return entry

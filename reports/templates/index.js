@@ -18,7 +18,11 @@ async function drawAll() {
   for (const name of STRIPS) page.specs[name].layer.forEach((one) => { if (one.encoding.y && one.encoding.y.axis) one.encoding.y.axis.labels = below || name === STRIPS[0]; });
   for (const name of Object.keys(page.specs)) {
     const view = await draw(name, page.specs[name]);
-    if (view && (STRIPS.includes(name) || name === "losses")) link(view);
+    if (view && STRIPS.includes(name)) link(view);
+    if (name === "losses" && view) {
+      view.addEventListener("click", (event, item) => { if (item?.datum?.metric) { find("loss").value = item.datum.metric; chooseLoss(); } });
+      chooseLoss();
+    }
     if (name === "settings") view.addEventListener("click", (event, item) => { if (item?.datum?.at) copyable(item.datum.at); });
   }
   if (page.settings) chooseScene();
@@ -102,6 +106,13 @@ function copyable(one) {
   find("setting").textContent = [base, one.loads, yours, native, ours].filter(Boolean).join("\n");
 }
 
+// ---------------------------------------------------------------- scenes in which another engine is better
+function chooseLoss() {
+  const metric = find("loss").value;
+  document.querySelectorAll("[data-loss]").forEach((one) => { one.hidden = one.dataset.loss !== metric; });
+  views.losses.signal("chosen", metric).runAsync();
+}
+
 // ---------------------------------------------------------------- stills and player
 function showStills() {
   const scene = find("replay-scene").value, strip = find("replays");
@@ -152,6 +163,7 @@ if (page.settings) {
   }));
   find("copy").addEventListener("click", () => navigator.clipboard.writeText(find("setting").textContent));
 }
+find("loss")?.addEventListener("change", chooseLoss);
 find("load").addEventListener("click", loadTable);
 onTheme(drawAll);
 drawAll();

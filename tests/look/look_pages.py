@@ -139,6 +139,23 @@ def test_a_dot_dims_other_scenes_and_opens_the_player(run: Path, opened: tuple[B
     one.until("STRIPS.every((name) => views[name].signal('near') === '')")
 
 
+def test_a_bar_leads_to_its_scenes(run: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    pages.show(one, run / "index.html")
+    bars = """(() => { const place = document.querySelector('[data-chart="losses"]');
+        place.scrollIntoView({ block: "start", behavior: "instant" });
+        return [...place.querySelectorAll('.mark-rect.role-mark path')].map((bar) => {
+          const { x, y, width, height } = bar.getBoundingClientRect(), { metric, lost } = bar.__data__.datum;
+          return [x + width / 2, y + height / 2, metric, lost];
+        }); })()"""
+    for x, y, metric, lost in one.value(bars)[:6]:
+        one.click_at(x, y)
+        one.until(f"document.getElementById('loss').value === {metric!r} && views.losses.signal('chosen') === {metric!r}")
+        shown = "[...document.querySelectorAll('[data-loss]')].filter((body) => body.checkVisibility())"
+        assert one.value(f"{shown}.map((body) => [body.dataset.loss, body.rows.length])") == [[metric, lost]]
+    assert one.errors == []
+
+
 def test_stills_follow_the_chooser(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
     pages.show(one, run / "index.html")

@@ -99,3 +99,5 @@ def test_an_address_leads_to_the_time_of_the_largest_value() -> None:
     assert moment(results, "a", OURS, "frame_time_p95", {}) == "#t=1"
     assert moment(results, "a", OURS, "course_error_max", {}) == moment(results, "b", OURS, OVERLAP, {}) == ""
     assert moment(results, "a", OURS, OVERLAP, {"a": {OVERLAP: 0.25}}) == "#t=0.25"
+    # a mean distance is worst where the distance is largest
+    assert moment(results, "a", OURS, "tracker_offset_rms", {"a": {"tracker_offset_max": 0.5}}) == "#t=0.5"

@@ -46,7 +46,7 @@ def test_counts_are_those_of_a_count_by_hand(table: dict[tuple[str, str, str, in
     assert told == by_hand([row for row in rows if row.metric != "run"])
     assert found.lost.is_monotonic_decreasing
     for row in found.itertuples():
-        assert row.share == row.lost / row.scenes and (row.scene != "") == (row.lost > 0)
+        assert row.share == row.lost / row.scenes and len(row.each) == row.lost
 
 
 def compared(*rows: Row) -> dict[str, int]:
@@ -54,12 +54,12 @@ def compared(*rows: Row) -> dict[str, int]:
     return {row.metric: row.lost for row in losses(run_of(rows)).itertuples()}
 
 
-def test_the_widest_loss_is_named() -> None:
+def test_every_lost_scene_is_named_the_widest_loss_first() -> None:
     values = {"a": (1e-3, 0.0), "b": (5e-2, 1e-2), "c": (0.0, 1.0)}
     runs = (OURS, MUJOCO)
     rows = [figure(scene, runs[k], OVERLAP, value) for scene, pair in values.items() for k, value in enumerate(pair)]
     [row] = losses(run_of(rows)).itertuples()
-    assert (row.scenes, row.lost, row.scene, row.own, row.best) == (3, 2, "b", 5e-2, 1e-2)
+    assert (row.scenes, row.lost) == (3, 2) and row.each == [("b", 5e-2, 1e-2, MUJOCO), ("a", 1e-3, 0.0, MUJOCO)]
 
 
 def test_baselines_our_presets_and_who_left_do_not_win() -> None:
@@ -87,3 +87,7 @@ def test_a_world_of_another_size_is_compared_as_one_of_size_one() -> None:
     large = run_of(rows)
     large = replace(large, results=replace(large.results, scales={"a": 1000.0}))
     assert losses(large).lost.tolist() == [0]
+    # and shown with its own figures
+    small = replace(run_of(rows), results=replace(large.results, scales={"a": 0.1}))
+    [row] = losses(small).itertuples()
+    assert row.each == [("a", 2e-5, 0.0, MUJOCO)]
