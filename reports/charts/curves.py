@@ -9,7 +9,7 @@ import pandas as pd
 from reports.charts import marks
 from reports.charts.marks import LENGTH_LABEL, TIME_LABEL, Spec, layer, name, number
 from reports.reading.load import Array
-from runfiles.engines import run_label
+from runfiles.engines import main_runs, run_label
 
 FLOOR = 1e-7
 """Least error that is told from none [m]."""
@@ -23,7 +23,7 @@ POINTS = 300
 """Most points of a line over time: as many as a chart is wide, over two."""
 
 DASHES = ([1, 0], [5, 3], [2, 2], [8, 3, 2, 3])
-"""Lines of the first, second, third and any further preset of an engine."""
+"""Lines of the first preset of an engine in short tables ("tuned", where it has one), its second, third and any further one."""
 
 
 def error_against_time(names: Sequence[str]) -> Spec:
@@ -123,9 +123,10 @@ def over_time(
 
 
 def dashes(runs: Sequence[str]) -> dict[str, Sequence[int]]:
-    """Return the dashes of the line of each run: the first preset of each engine solid, the next ones dashed."""
-    engines = [run.partition("/")[0] for run in runs]
-    return {run: DASHES[min(engines[:k].count(engine), 3)] for k, (run, engine) in enumerate(zip(runs, engines, strict=True))}
+    """Return the dashes of the line of each run, those of short tables first: the same on every page, whatever runs it has."""
+    order = list(dict.fromkeys([*main_runs(), *runs]))
+    engines = [run.partition("/")[0] for run in order]
+    return {run: DASHES[min(engines[:k].count(engines[k]), 3)] for k, run in enumerate(order) if run in runs}
 
 
 def _dash(dashed: Mapping[str, Sequence[int]]) -> Spec:

@@ -119,6 +119,13 @@ def test_the_largest_value_survives_thinning(count: int, draw: st.DataObject) ->
     assert len(kept) <= curves.POINTS
 
 
+def test_a_preset_has_the_same_line_on_every_page() -> None:
+    tuned, default = MUJOCO, "mujoco/default"
+    whole = curves.dashes([default, OURS, tuned, "newcomer/fast"])
+    assert whole[OURS] == whole[tuned] == whole["newcomer/fast"] != whole[default]
+    assert all(curves.dashes([run]) == {run: whole[run]} for run in whole)
+
+
 def test_a_dot_is_hollow_where_the_table_says_that_it_does_not_compare() -> None:
     """A tail of few frames does not; the chart of times then has the median, which does."""
     both, few = (OURS, MUJOCO), "3 x 90 frames"
