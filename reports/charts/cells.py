@@ -46,10 +46,10 @@ def grid(
     lost, bright = {"test": "datum.lost", "value": "@paper"}, {"test": "datum.bright", "value": "#ffffff"}
     ink = {"condition": [lost, bright], "value": "@ink"}
     layers = [
-        layer("rect", {"fill": fill, "tooltip": list(tip)}, stroke="@paper", strokeWidth=2, cornerRadius=3),
-        layer("text", {"text": name("text"), "color": ink}, fontSize=11, tooltip=None),
+        layer("rect", {"fill": fill}, stroke="@paper", strokeWidth=2, cornerRadius=3),
+        layer("text", {"text": name("text"), "color": ink}, fontSize=11),
     ]
-    return marks.chart(described, height * max(len(rows), 1), layers, values, encoding={"x": x, "y": y})
+    return marks.chart(described, height * max(len(rows), 1), layers, values, encoding={"x": x, "y": y, "tooltip": list(tip)})
 
 
 def hard_cases(run: Run, cases: pd.DataFrame) -> Spec:

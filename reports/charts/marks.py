@@ -13,8 +13,8 @@ Spec = dict[str, Any]
 
 INKS: Mapping[str, tuple[str, str]] = {
     "ink": ("#31363f", "#cfd4dc"), "muted": ("#6a7280", "#97a0ae"), "grid": ("#e3e6eb", "#2c323c"),
-    "alarm": ("#b3261e", "#ff8a80"), "paper": ("#ffffff", "#14171c"), "low": ("#e6eef6", "#1b2a39"),
-    "high": ("#0b3c66", "#2a6fa8"), "gain": ("#7cc7a6", "#1f6b4d"),
+    "alarm": ("#b3261e", "#ff8a80"), "paper": ("#ffffff", "#14171c"), "low": ("#e6eef6", "#18222c"),
+    "high": ("#0b3c66", "#2b76b5"), "gain": ("#7cc7a6", "#1f6b4d"),
 }
 """Inks of charts, light and dark."""
 

@@ -64,9 +64,11 @@ def page(
         rows=scripts.packed(figures(run).encode()), tables=tables_js, tables_css=tables_css,
         damage=damage, verdict=verdict(checks), sound=checks.is_sound, scenes=run.rows.scenario.nunique(),
         failed=rows(checks.failed), waived=rows(checks.waived), missing=rows(pd.concat([checks.crashed, checks.unmeasured])),
-        stills=list(stills), replayed=sorted(replayed),
+        slow=slow(run), stills=list(stills), replayed=sorted(replayed),
         shown_first=next((name for name in stills if name in run.avatars), ""), strips=strips.strips(run),
-        has_settings=settings is not None, has_cases=cases is not None, has_effects=effects is not None, levels=LEVELS,
+        has_settings=settings is not None, has_cases=cases is not None,
+        has_left=cases is not None and any(cell["lost"] for cell in specs["hard"]["data"]["values"]),
+        has_effects=effects is not None, levels=LEVELS,
         laws=[] if law is None else list(dict.fromkeys(law.law)), lines=lines,
         figures=f"{len(run.rows):,}", files=files, bench="bench.html" in files, commit=str(info.get("commit") or "")[:8],
         machine=f"{info.get('cpus', '')} × {info.get('cpu', '')}",
@@ -121,6 +123,14 @@ def by_scene(settings: pd.DataFrame, run: Run) -> dict[str, list[dict[str, Any]]
             "options": row.options, "avatar": row.scenario in run.avatars, **numbers, **flags, "shown": shown,
         })
     return grouped
+
+
+def slow(run: Run) -> list[Any]:
+    """Return the scenes that take the gated engine longest: rows of 95th percentiles above SLOW, with the slowest frame."""
+    rows = run.rows[(run.rows.run == run.gated) & run.rows.measured].sort_values("value", ascending=False)
+    tails, slowest = (rows[rows.metric == f"frame_time_{name}"].drop_duplicates("scenario") for name in ("p95", "max"))
+    tails = tails[tails.value > strips.SLOW]
+    return list(tails.assign(slowest=tails.scenario.map(slowest.set_index("scenario").value)).itertuples())
 
 
 def first_scene(settings: pd.DataFrame) -> str:

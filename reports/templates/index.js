@@ -56,15 +56,19 @@ function unlabelled(points) {
 }
 function chooseScene() {
   document.querySelectorAll("[data-scene]").forEach((one) => { one.textContent = find("scene").value; });
-  find("copied-page").href = `scenes/${find("scene").value}.html`;
+  find("copied-page").href = `scenes/${find("scene").value}.html#settings`;
   if (views.settings) views.settings.data("points", dots()).resize().runAsync();
   chooseLevel();
   const ladders = chosen().filter((one) => one.measured && one.step && (one.base === "tuned")).sort((a, b) => a.engine.localeCompare(b.engine) || a.step - b.step);
   find("step-rows").innerHTML = ladders.map((one, k) => {
     const before = ladders[k - 1];
-    const factor = before && before.engine === one.engine ? `×${Number((one.median / before.median).toPrecision(2))}` : "";
-    return row([`${dot(one.engine)}${escaped(one.label)}`, `1/${one.step} s`, one.shown.median, factor, one.shown.error]);
+    const times = (ratio) => Number(ratio.toPrecision(2));
+    const factor = before && before.engine === one.engine ? `×${times(one.median / before.median)}` : "";
+    // a rung that was not run leaves a wider one
+    const wide = factor && one.step !== 2 * before.step ? `, step ÷ ${times(one.step / before.step)}` : "";
+    return row([`${dot(one.engine)}${escaped(one.label)}`, `1/${one.step} s`, fair(one, one.shown.median), factor + wide, one.shown.error]);
   }).join("");
+  find("step-unlike").hidden = !find("step-rows").innerText.includes("(");
 }
 function chooseLevel() {
   const all = chosen(), measured = all.filter((one) => one.measured);

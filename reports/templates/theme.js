@@ -35,6 +35,12 @@ function onTheme(redraw) {
   say();
 }
 
+// what is wider than its card fades at the edge behind which there is more
+function fade() { document.querySelectorAll(".scroll").forEach((one) => one.classList.toggle("more", one.scrollLeft + one.clientWidth < one.scrollWidth - 1)); }
+const wider = new ResizeObserver(fade);
+document.querySelectorAll(".scroll, .scroll > *").forEach((one) => wider.observe(one));
+addEventListener("scroll", fade, { capture: true, passive: true });
+
 async function unpack(id) {
   const bytes = Uint8Array.from(atob(document.getElementById(id).textContent), (sign) => sign.charCodeAt(0));
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();

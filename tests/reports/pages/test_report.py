@@ -3,13 +3,16 @@
 import base64
 import hashlib
 import json
+import math
 import re
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import pytest
 
+from reports.pages.index import slow
 from tests.reports.pages.reading import Page, data_of, read
+from tests.reports.small_runs import MUJOCO, OURS, figure, run_of
 
 RAW_WORDS = {"nan", "inf", "-inf", "None", "null", "undefined", "<NA>", "NaT"}
 LARGEST = 3_000_000
@@ -99,3 +102,12 @@ def test_only_the_recorded_scene_has_replay_and_stills(report: Path) -> None:
     assert found == {"arm_wall": True, "hand_over_table": False, "ball_drop": False}
     [data] = data_of(report / "index.html")
     assert set(data["stills"]) == {"arm_wall"}
+
+
+def test_slow_scenes_are_those_whose_tail_is_beyond_the_limit() -> None:
+    times = {"a": (2001.0, 9000.0), "b": (1999.0, 9e5), "c": (3000.0, None), "d": (math.nan, 1.0)}
+    metrics = ("frame_time_p95", "frame_time_max")
+    rows = [figure(scene, OURS, metrics[k], time) for scene, pair in times.items() for k, time in enumerate(pair)]
+    found = slow(run_of([*rows, figure("e", MUJOCO, metrics[0], 1e5)]))
+    assert [(row.scenario, row.value) for row in found] == [("c", 3000.0), ("a", 2001.0)]
+    assert math.isnan(found[0].slowest) and found[1].slowest == 9000.0
