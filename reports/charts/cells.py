@@ -121,7 +121,7 @@ def bars(losses: pd.DataFrame) -> Spec:
     ]
     y = name("label", sort=None, axis=marks.NAMES | {"labelLimit": 230, "labelPadding": 8})
     axis = marks.BARE | {"tickCount": 5, "format": "d", "title": "scenes"}
-    most = max((1.2 * value["lost"] for value in values), default=1.0)
+    most = max((1.4 * value["lost"] for value in values), default=1.0)
     scale, engines = {"domain": [0, most], "nice": False}, list(dict.fromkeys(value["engine"] for value in values))
     tip = marks.tooltip(label="measure", best="best engine", count="in scenes", text="of all engines")
     bar = {
