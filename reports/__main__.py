@@ -1,4 +1,4 @@
-"""`python -m reports write [RUN]`: the pages again. `diff BASE NEW`: changes for the better and the worse.
+"""`python -m reports write [RUN]`: the pages and the summary again. `diff BASE NEW`: changes for the better and the worse.
 
 `baseline [RUN]` and `headline [RUN]` make a run's figures the committed ones: of later comparisons, and of the README.
 
@@ -12,7 +12,7 @@ from pathlib import Path
 
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError
-from reports import BASELINE, PAGE, write_report
+from reports import BASELINE, PAGE, terminal_summary, write_report
 from reports.summaries import baseline, readme
 from reports.summaries.text import changed_lines
 from reports.tables.changes import against_baseline, changes
@@ -35,12 +35,20 @@ def parser() -> argparse.ArgumentParser:
         return made
 
     write = command("write", "write index.html, the scenes' pages, summary.md and junit.xml of a run again")
-    write.add_argument("--before", type=path_option, help="folder of an earlier run to compare with")
+    write.add_argument("--before", type=path_option, help="folder of an earlier run to compare with (default: the one before)")
     command("diff", "list changes for the better and the worse from BASE to NEW", "new")
     keep = command("baseline", "make a run's accuracy the committed baseline")
     keep.add_argument("--to", type=path_option, default=BASELINE, metavar="FILE", help="another file")
     command("headline", "write the README's table and charts from a run")
     return top
+
+
+def one_before(run: Path) -> Path | None:
+    """Return the last earlier run of the same command beside a run, by the time in their names; None without one."""
+    own = run.resolve()
+    command = own.name.rpartition("-")[2]
+    earlier = [folder for folder in own.parent.glob(f"*-*-{command}") if folder.name < own.name]
+    return max((folder for folder in earlier if (folder / "results.json").is_file()), default=None)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -56,7 +64,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print("\n".join(changed_lines(differences)))
             return 1 if differences.count("worse") else 0
         if chosen.command == "write":
-            damage = write_report(chosen.run, chosen.before)
+            before = chosen.before or one_before(chosen.run)
+            damage = write_report(chosen.run, before, BASELINE)
+            print(terminal_summary(chosen.run, before, BASELINE))
             for fault in damage:
                 print(f"reports: left out, since it cannot be used: {fault}", file=sys.stderr)
             print(chosen.run / PAGE)

@@ -96,7 +96,7 @@ def changed_lines(changes: Changes) -> list[str]:
     """Return all changes, one a line, worse ones first."""
     lines = [f"worse {changes.count('worse')}, better {changes.count('better')}"]
     for row in changes.table.itertuples():
-        sure = f" (×{row.low:.2f} to ×{row.high:.2f})" if row.low == row.low else ""
+        sure = f" (×{row.low:.2f} to ×{row.high:.2f} beside other engines)" if row.low == row.low else ""
         lines.append(f"{row.verdict:<8}{row.scenario}  {row.run}  {row.metric}: {_step(row).strip()}{sure}")
     lines += [f"gone    {name}" for name in changes.gone] + [f"new     {name}" for name in changes.added]
     return [*lines, f"times not compared: {changes.no_times}"] if changes.no_times else lines

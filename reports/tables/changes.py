@@ -40,7 +40,7 @@ class Changes:
     """Differences from an earlier run.
 
     table     columns scenario, run, metric, unit, old, new, verdict ("worse", "better"), and low, high: the interval of the ratio
-              of a time. Worse rows first, of them times last
+              of a time beside those of the other engines. Worse rows first, of them times last, then the gated engine first
     gone      "scene engine/preset" of the earlier run only
     added     of the later run only
     no_times  reason why times were not compared, "" where they were
@@ -89,7 +89,7 @@ def changes(old: Run, new: Run) -> Changes:
         return _verdict(row, max(1e-3 * level, min(level, 1e-2 * max(row.value_old, row.value_new))), SAME), math.nan, math.nan
 
     gone, added = (tuple(sorted(one)) for one in (runs_before - runs_after, runs_after - runs_before))
-    return Changes(_table(both, judged), gone, added, no_times, old.name)
+    return Changes(_table(both, judged, new.gated), gone, added, no_times, old.name)
 
 
 def against_baseline(baseline: pd.DataFrame, run: Run, name: str) -> Changes:
@@ -102,10 +102,11 @@ def against_baseline(baseline: pd.DataFrame, run: Run, name: str) -> Changes:
         return _verdict(row, level or 0.0, ELSEWHERE), math.nan, math.nan
 
     gone = tuple(sorted(set(baseline.scenario) - set(after.scenario)))
-    return Changes(_table(both[both.scenario.isin(after.scenario)], judged), gone, (), "the baseline has no times", name)
+    table = _table(both[both.scenario.isin(after.scenario)], judged, run.gated)
+    return Changes(table, gone, (), "the baseline has no times", name)
 
 
-def _table(both: pd.DataFrame, judged: Callable[[Any], tuple[str, float, float]]) -> pd.DataFrame:
+def _table(both: pd.DataFrame, judged: Callable[[Any], tuple[str, float, float]], gated: str) -> pd.DataFrame:
     """Return the rows that ``judged`` gives a verdict, with the interval of a time."""
     records = []
     for row in both.itertuples():
@@ -115,8 +116,8 @@ def _table(both: pd.DataFrame, judged: Callable[[Any], tuple[str, float, float]]
             records.append((row.scenario, row.run, row.metric, *figures_of_row, verdict, *interval_of_ratio))
     table = pd.DataFrame(records, columns=COLUMNS)
     # a list that is cut keeps what is worse, and accuracy before times, of which a busy machine changes many
-    table = table.assign(timed=table.metric.isin(PERCENTILES)).sort_values(
-        ["verdict", "timed", "scenario"], ascending=[False, True, True], kind="stable"
+    table = table.assign(timed=table.metric.isin(PERCENTILES), others=table.run != gated).sort_values(
+        ["verdict", "timed", "others", "scenario"], ascending=[False, True, True, True], kind="stable"
     )
     return table[list(COLUMNS)].reset_index(drop=True)
 

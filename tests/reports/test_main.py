@@ -25,8 +25,23 @@ def worse_run(results: Json) -> Json:
 def test_write_makes_the_report_from_the_results_alone(run_dir: Write, results: Json, capsys: Output) -> None:
     folder = run_dir(results)
     assert main(["write", str(folder)]) == 0
-    assert Path(capsys.readouterr().out.strip()) == folder / "index.html"
+    assert Path(capsys.readouterr().out.splitlines()[-1]) == folder / "index.html"
     assert {path.name for path in folder.iterdir()} == {"results.json", "scenes", "lib"} | PAGES
+
+
+def test_write_compares_with_the_run_before(run_dir: Write, results: Json, tmp_path: Path, capsys: Output) -> None:
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    worse = runs / "20260103-100000-compare"
+    for name, content in (("20260101-100000-compare", worse_run(results)), ("20260102-090000-compare", results),
+                          ("20260102-100000-bench", worse_run(results)), (worse.name, worse_run(results))):
+        run_dir(content).rename(runs / name)
+    latest = runs / "latest"
+    latest.symlink_to(worse.name)
+    for path in (worse, latest):
+        assert main(["write", str(path)]) == 0
+        for told in (capsys.readouterr().out, (worse / "summary.md").read_text()):
+            assert "20260102-090000-compare" in told and "20260101" not in told
 
 
 def test_a_damaged_part_is_named_and_the_exit_code_is_2(tmp_path: Path, capsys: Output) -> None:
