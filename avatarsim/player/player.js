@@ -289,12 +289,13 @@ function startPlayer(root, data) {
     for (const lines of mesh.children) lines.geometry = edgesOf(shapeOf(k));
   }
   views.forEach((view, k) => {
-    box(view.label, (on) => {
+    view.input = box(view.label, (on) => {
       if (!single) { view.cell.hidden = !on; return; }
       hidden.bodies = !on;
       // a ghost alone is solid
       Object.assign(ink.ghost, { opacity: on ? VEIL : 1, depthWrite: !on });
-    }, single && view.colour).dataset.view = k;
+    }, single && view.colour);
+    view.input.dataset.view = k;
   });
   if (ghost) box(data.ghost.name, (on) => { ink.ghost.visible = ink.ghostBad.visible = on; }, "#9b59d0").dataset.part = "ghost";
   if (data.still.length) box("room", (on) => { hidden.room = !on; }, "#8b95a5").dataset.part = "room";
@@ -326,7 +327,15 @@ function startPlayer(root, data) {
 
   // ---------------------------------------------------------------- moments, and links to them
   const told = part("told"), link = (wanted) => `#t=${Number(data.times[wanted].toFixed(5))}`;
+  // views by their labels: a link can lead to two of many
+  function chosen() {
+    const found = /[#&]only=([^&]+)/.exec(location.hash), only = found ? decodeURIComponent(found[1]).split("|") : [];
+    if (single || !views.some((view) => only.includes(view.label))) return;
+    for (const view of views) view.cell.hidden = !(view.input.checked = only.includes(view.label));
+    redraw();
+  }
   function follows() {
+    chosen();
     const found = /^#(?:.*&)?t=([^&]+)/.exec(location.hash), seconds = found ? Number(found[1]) : NaN;
     if (!Number.isFinite(seconds)) return false;
     if (playing) play(false);

@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
+from urllib.parse import quote
 
 import pandas as pd
 
@@ -54,8 +55,10 @@ def page(
     def rows(table: pd.DataFrame) -> list[Any]:
         return list(table.itertuples())
 
-    def place(scene: str, metric: str, name: str = run.gated) -> str:
-        return f"scenes/{scene}.html{moment(run.results, scene, name, metric, instants)}"
+    def place(scene: str, metric: str, name: str = run.gated, beside: str = "") -> str:
+        at = moment(run.results, scene, name, metric, instants)
+        only = f"only={quote('|'.join(map(run_label, (name, beside))))}" if beside else ""
+        return f"scenes/{scene}.html{at}{'&' if at and only else '#' if only else ''}{only}"
 
     js, vega = "".join(map(scripts.source, ("theme.js", "index.js"))), scripts.vega()
     tables_js, tables_css = scripts.data_tables()

@@ -4,12 +4,14 @@ Not part of `make test`, which needs no browser: `make look` runs it on a small 
 screenshots in reports/out/look/ for inspection.
 """
 
+import html
 import json
 import re
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy
 import pytest
@@ -153,6 +155,24 @@ def test_a_bar_leads_to_its_scenes(run: Path, opened: tuple[Browser, str]) -> No
         one.until(f"document.getElementById('loss').value === {metric!r} && views.losses.signal('chosen') === {metric!r}")
         shown = "[...document.querySelectorAll('[data-loss]')].filter((body) => body.checkVisibility())"
         assert one.value(f"{shown}.map((body) => [body.dataset.loss, body.rows.length])") == [[metric, lost]]
+    assert one.errors == []
+
+
+def test_a_loss_opens_the_two_engines_side_by_side(run: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    text = (run / "index.html").read_text(encoding="utf-8")
+    for name, place in re.findall(r'href="(scenes/[^"#]+\.html)#([^"]*only=[^"]*)"', text):
+        wanted = unquote(html.unescape(place)).partition("only=")[2].split("|")
+        page = (run / name).read_text(encoding="utf-8")
+        if all(f'"label":{json.dumps(label)}' in page for label in wanted):
+            break
+    else:
+        pytest.skip("no replay of two engines")
+    one.open(run / name)
+    one.value(f"location.hash = {html.unescape(place)!r}")
+    shown = "[...document.querySelectorAll('.view')].filter((view) => !view.hidden)"
+    one.until(f"{shown}.length === 2")
+    assert one.value(f"{shown}.map((view) => view.querySelector('.called').textContent)") == wanted
     assert one.errors == []
 
 
