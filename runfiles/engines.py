@@ -89,7 +89,7 @@ class About:
     unsupported     features by the name that the adapter reports
     native          options of the adapter in the engine's own words, {} is the value; of a flag one for true and one for false
     alone           options that are all that changes in a preset
-    loads           line that loads a preset, with {file}: of the scene in the engine's own words, and {preset}
+    loads           lines that load a preset, with {file}: of the scene in the engine's own words, {preset}, {scene}, {options}
     unlike          differences of scenes in this engine, a sentence each
     issues          known ones
     path            of the file; None where there is none

@@ -101,37 +101,37 @@ class Drive:
                 ))
 
     def calls(self) -> list[str]:
-        """Return the calls that move roots and joints in every step, as Python; `target...` and `...s` are the tracker's."""
+        """Return a function `aim` that moves roots and joints in every step, as Python; its arguments are lists by body."""
         numbers, forward = self._numbers, bool(self._chosen["feed_forward"].value)
-        lines = ["", "# in every step, ahead of the tracker by its own lag:" if forward else "# in every step:"]
+        lines = []
         for index, (part, _) in enumerate(self._world.roots):
             body = self._world.parts[part].body
             if self._constraints:
-                lines.append(call(
-                    "changeConstraint", self._constraints[index], Name("target_centre"), Name("target_turn"),
-                    maxForce=self._most[index],
-                ))
+                place, turn = Name(f"centres[{body}]"), Name(f"turns[{body}]")
+                lines.append(call("changeConstraint", self._constraints[index], place, turn, maxForce=self._most[index]))
             else:
                 lines.append(f"# velocity that reaches the target within the step, at most {numbers['root_speed']} m/s")
-                lines.append(call("resetBaseVelocity", body, Name("velocity"), Name("spin")))
-        gains = {"velocityGains": numbers["velocity_gain"], "forces": numbers["hinge_force"]}
+                lines.append(call("resetBaseVelocity", body, Name(f"velocities[{body}]"), Name(f"spins[{body}]")))
+        control = Name("pybullet.POSITION_CONTROL")
+
+        def motors(function: str, body: int, joints: list[int], targets: str, gain: str, force: str, **more: object) -> str:
+            gains, dampings = ([numbers[name]] * len(joints) for name in (gain, "velocity_gain"))
+            return call(function, body, joints, control, targetPositions=Name(f"{targets}[{body}]"), **more,
+                        positionGains=gains, velocityGains=dampings, forces=Name(f"[{force}] * {len(joints)}"))
+
         for body, (joints, _) in self._hinges.items():
-            n, control = len(joints), Name("pybullet.POSITION_CONTROL")
-            lines.append(call(
-                "setJointMotorControlArray", body, joints, control, targetPositions=Name("target_angles"),
-                targetVelocities=Name("target_speeds") if forward else [0.0] * n, positionGains=[numbers["position_gain"]] * n,
-                **{name: [value] * n for name, value in gains.items()},
-            ))
+            more = {"targetVelocities": Name(f"speeds[{body}]") if forward else [0.0] * len(joints)}
+            lines.append(motors("setJointMotorControlArray", body, joints, "angles", "position_gain", "hinge_force", **more))
         for body, joints, _ in self._balls:
-            n, control = len(joints), Name("pybullet.POSITION_CONTROL")
-            lines.append(call(
-                "setJointMotorControlMultiDofArray", body, joints, control, targetPositions=Name("target_turns"),
-                positionGains=[numbers["ball_gain"]] * n, velocityGains=[numbers["velocity_gain"]] * n,
-                forces=[[numbers["ball_force"]] * 3] * n,
-            ))
+            lines.append(motors("setJointMotorControlMultiDofArray", body, joints, "balls", "ball_gain", "[ball_force] * 3"))
             if body in self._stops:
                 lines.append(f"# a joint beyond its limits is moved with {numbers['limit_force']} N m instead")
-        return lines if len(lines) > 2 else []
+        root, ahead = "centres, turns" if self._constraints else "velocities, spins", ", ahead by its own lag" if forward else ""
+        return [
+            "", f"hinge_force, ball_force = {numbers['hinge_force']!r}, {numbers['ball_force']!r}", "",
+            f"def aim({root}, angles, speeds, balls):", f"    # targets of every step{ahead}, by number of the body",
+            *(f"    {line}" for line in lines),
+        ] if lines else []
 
     def plan(self, goals: Goals, step: float) -> None:
         """Compute the inputs of every step of a frame: postures 1 to n of `goals`, each one step [s] after the one before.

@@ -10,13 +10,13 @@ import pandas as pd
 
 from reports.charts import cells, curves, marks, strips
 from reports.drawing.stills import Stills
-from reports.pages import scripts
+from reports.pages import copying, scripts
 from reports.replay.moments import moment
 from reports.tables.changes import Changes
 from reports.tables.checks import Checks
 from reports.tables.figures import quantity
 from reports.tables.run import Run
-from reports.tables.settings import LEVELS, preset_words
+from reports.tables.settings import LEVELS
 from runfiles.engines import about, main_runs, run_label
 from runfiles.metrics import label
 
@@ -118,12 +118,11 @@ def by_scene(settings: pd.DataFrame, run: Run) -> dict[str, list[dict[str, Any]]
         shown = {"error": quantity(row.error, "m") if math.isfinite(row.error) else "does not follow"}
         shown |= {name: quantity(numbers[name], "us") for name in ("median", "p95", "slowest")}
         flags = {name: bool(getattr(row, name)) for name in ("preset", "asleep", "measured", "few")}
-        loads, words = preset_words(run, row.scenario, f"{row.engine}/{row.base}")
         grouped.setdefault(row.scenario, []).append({
             "engine": row.engine, "label": about(row.engine).label, "setting": row.setting, "base": row.base,
             "step": None if math.isnan(row.step) else round(row.step), "worst": label(row.worst) if row.worst else "",
-            "loads": loads, "native": "\n".join(words) if row.preset else row.native, "alone": bool(row.alone or row.preset),
-            "options": row.options, "avatar": row.scenario in run.avatars, **numbers, **flags, "shown": shown,
+            "copy": copying.lines(run, row), "alone": bool(row.alone or row.preset), "avatar": row.scenario in run.avatars,
+            **numbers, **flags, "shown": shown,
         })
     return grouped
 

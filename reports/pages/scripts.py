@@ -61,6 +61,11 @@ def rendered(
     )
 
 
+def text(template: str, **values: Any) -> str:
+    """Return a text that is no page, without empty lines."""
+    return "\n".join(filter(None, _environment().get_template(template).render(**values).splitlines()))
+
+
 def libraries() -> dict[str, str]:
     """Return the scripts that pages of scenes share, by their name in the folder LIBRARIES; three.js where it is installed."""
     player = [PLAYER.joinpath(name).read_text("utf-8") for name in ("gif.js", "player.js")]

@@ -1,4 +1,4 @@
-"""Settings of engines tried in a run: error against frame time, and how to copy them."""
+"""Settings of engines tried in a run: error against frame time, and the options of each."""
 
 import json
 import math
@@ -12,7 +12,6 @@ from reports.tables.run import Run
 from runfiles.accuracy import FOLLOWING, follows, lengths
 from runfiles.comparable import ASLEEP_FROM
 from runfiles.engines import about
-from runfiles.native_files import written
 from runfiles.table import read_study, wide
 from runfiles.timing_protocol import may_rank
 
@@ -33,8 +32,7 @@ def settings(folder: Path) -> pd.DataFrame | None:
         A row per scene, engine and setting with the columns scenario, engine, setting, preset (flag), base, step [1/s]: NaN
         unless it alone differs from the preset, error: the largest [m], inf where a free user is not followed, worst: the metric
         of it, median, p95, slowest [us], few (flag): too few frames were timed for the last two, asleep (flag), measured
-        (flag), native: lines to copy, alone (flag): they are
-        all that the setting changes in the preset's model, options: the line of this project.
+        (flag), alone (flag): its options are all that it changes in the preset's model, options: the line of this project.
 
     Raises:
         InvalidFile: for a damaged file.
@@ -47,19 +45,12 @@ def settings(folder: Path) -> pd.DataFrame | None:
     return pd.DataFrame([_setting(row, few) for row in wide(table).to_dict("records")])
 
 
-def preset_words(run: Run, scenario: str, name: str) -> tuple[str, list[str]]:
-    """Return the line that loads a run "engine/preset", "" without one; and a line for its step and each option that differs from
-    the engine's default and is all that it changes in a model."""
-    engine, _, preset = name.partition("/")
-    one, notes = about(engine), {note.run: note.settings for note in run.results.engines if note.scenario == scenario}
-    file = Path(written(run.folder, scenario, name, int(run.rows.seed.iloc[0]))).name.removesuffix(".gz")
-    loads = one.loads.format(file=file, preset=preset) if file or "{file}" not in one.loads else ""
-    plain = notes.get(f"{engine}/default", {})
-    differing = {
-        key: _parsed(value) for key, (value, _) in notes.get(name, {}).items()
-        if key in ("dt", *one.alone) and key in one.native and plain.get(key, ("", ""))[0] != value
-    }
-    return loads, one.in_own_words(differing)
+def preset_options(run: Run, scenario: str, engine: str, preset: str) -> dict[str, object]:
+    """Return the options of a preset in a scene that differ from the engine's default."""
+    notes = {note.run: note.settings for note in run.results.engines if note.scenario == scenario}
+    plain, chosen = (notes.get(f"{engine}/{name}", {}) for name in ("default", preset))
+    differing = {name: value for name, (value, _) in chosen.items() if name in plain and plain[name][0] != value}
+    return {name: _parsed(value) for name, value in differing.items() if name != "optimises" and " " not in name}
 
 
 def _parsed(text: str) -> object:
@@ -75,7 +66,7 @@ def _setting(row: dict[str, object], few: Collection[tuple[object, ...]]) -> dic
         return float(value) if isinstance(value, int | float) else math.nan
 
     engine, base, change, options = (str(row[name]) for name in ("engine", "preset", "change", "options"))
-    values = _values(engine, options)
+    values = options_of(engine, options)
     sound = all(number(metric) == 0.0 for metric in SPOILS if metric in row and not math.isnan(number(metric)))
     names = [name for name in row if name.endswith(("_max", "_rms", "_rms_free")) and not name.startswith("frame_time_")]
     errors = lengths({name: number(name) for name in names if not math.isnan(number(name))})
@@ -92,7 +83,7 @@ def _setting(row: dict[str, object], few: Collection[tuple[object, ...]]) -> dic
         "few": tuple(row[key] for key in KEYS) in few,
         "asleep": sleeps and math.isnan(moving) and number("resting_frames") >= ASLEEP_FROM["frame_time_p50"],
         "measured": sound and not math.isnan(error) and math.isfinite(number("frame_time_p50")),
-        "native": "\n".join(one.in_own_words(values)), "alone": bool(values) and set(values) <= set(one.alone),
+        "alone": bool(values) and set(values) <= set(one.alone),
         "options": options,
     }
 
@@ -106,10 +97,14 @@ def _step(engine: str, values: dict[str, object], stated: float) -> float:
     return 1.0 / step if step > 0.0 else math.nan
 
 
-def _values(engine: str, options: str) -> dict[str, object]:
-    """Return the options of a line of TOML of this project; empty for a preset."""
+def options_of(engine: str, options: str) -> dict[str, object]:
+    """Return the options in a line of TOML of this project; empty for a preset."""
+    return {name: value for row in rows_of(engine, options).values() for name, value in row.items() if name != "preset"}
+
+
+def rows_of(engine: str, options: str) -> dict[str, dict[str, object]]:
+    """Return the rows of an engine in a line of TOML of this project, by name; empty for a preset."""
     try:
-        rows = tomllib.loads(options).get(engine, {})
+        return {str(name): dict(row) for name, row in tomllib.loads(options.partition("; ")[0]).get(engine, {}).items()}
     except tomllib.TOMLDecodeError:
         return {}
-    return {str(name): value for row in rows.values() for name, value in row.items() if name != "preset"}

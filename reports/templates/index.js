@@ -100,14 +100,8 @@ function fair(one, text, few = false) { return (one.avatar || one.asleep || few)
 // of equal settings: default and tuned, then another preset, then one that its engine's own words make whole
 function rank(one) { return ["default", "tuned"].includes(one.setting) ? 3 : one.preset ? 2 : one.alone ? 1 : 0; }
 function copyable(one) {
-  const base = `# ${one.label}, preset ${one.base || one.setting}${one.loads.includes(find("scene").value) ? "; its file is among the files of the scene" : ""}`;
-  const yours = one.preset && one.loads && one.native ? "# or in a model of your own, without its contact constants:" : "";
-  const more = "# and contact constants that depend on it: our adapter sets them";
-  const native = one.alone || !one.native ? one.native : `${one.native.replace(/^/gm, "# ")}\n${more}`;
-  const ours = one.options.startsWith("--") ? `# here: python -m scenarios run ${find("scene").value} ${one.options}`
-    : one.options ? `# here, in a file for --settings:\n# ${one.options}` : "";
   find("copied-of").textContent = `${one.label} ${one.setting}`;
-  find("setting").textContent = [base, one.loads, yours, native, ours].filter(Boolean).join("\n");
+  find("setting").textContent = one.copy;
 }
 
 // ---------------------------------------------------------------- scenes in which another engine is better

@@ -1,7 +1,6 @@
 """Settings of a sweep: the largest error of each, its cost, and its options to copy."""
 
 import math
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from reports.reading.load import EngineNote
-from reports.tables.settings import preset_words, settings
+from reports.tables.settings import options_of, preset_options, settings
 from runfiles.accuracy import counts, follows, largest
 from runfiles.engines import about
 from runfiles.table import STUDIED, csv_text
@@ -61,13 +60,10 @@ def test_setting_without_or_with_spoilt_figures_is_unmeasured(tmp_path: Path) ->
     assert whole.error == 1e-4 and math.isnan(spoilt.error) and math.isnan(none.error)
 
 
-def test_options_come_back_in_the_engines_own_words(tmp_path: Path) -> None:
-    options = "[mujoco.some]\npreset = 'tuned'\ndt = 0.00125\niterations = 7\nmystery = 3\n"
-    rows = read(tmp_path, Part("a", MUJOCO, "some", SETTING, options), Part("a", MUJOCO, "", SETTING))
-    some, tuned = (row.native.splitlines() for row in rows.itertuples())
-    assert len(some) == len(tomllib.loads(options)["mujoco"]["some"]) - 1 and tuned == []
-    assert any("1/800" in line for line in some) and any("7" in line for line in some)
-    assert [line for line in some if "mystery" in line] == [line for line in some if line.startswith("#")]
+def test_options_come_back() -> None:
+    line = 'mujoco."some" = {preset = "tuned", dt = 0.00125, iterations = 7}; replace(scene, narrow=1)'
+    assert options_of("mujoco", line) == {"dt": 0.00125, "iterations": 7}
+    assert options_of("mujoco", "--engine mujoco --preset tuned") == options_of("pybullet", line) == {}
 
 
 @given(st.integers(1, 20_000))
@@ -93,14 +89,9 @@ def test_tails_of_few_frames_are_marked(tmp_path: Path) -> None:
     assert table is not None and dict(zip(table.preset, table.few, strict=True)) == {True: False, False: True}
 
 
-def test_preset_words_are_its_loading_and_changed_options(tmp_path: Path) -> None:
-    chosen = {"dt": ("0.00125", ""), "sleep": ("true", ""), "iterations": ("100", ""), "kappa": ("0.1", "a reason")}
-    plain = {"dt": ("0.002", ""), "sleep": ("false", ""), "iterations": ("100", "")}
-    notes = [EngineNote(f"mujoco/{name}", "a", "1", {}, said) for name, said in (("default", plain), ("sleeping", chosen))]
+def test_options_of_a_preset_are_those_that_the_default_has_otherwise(tmp_path: Path) -> None:
+    chosen = {"dt": ("0.00125", ""), "sleep": ("true", ""), "iterations": ("100", ""), "optimises": ("all", ""), "own": ("1", "")}
+    plain = {"dt": ("0.002", ""), "sleep": ("false", ""), "iterations": ("100", ""), "optimises": ("nothing", "")}
+    notes = [EngineNote(f"mujoco/{name}", "a", "1", {}, said) for name, said in (("default", plain), ("tuned", chosen))]
     run = run_of([figure("a", MUJOCO, OVERLAP, 0.0)], notes=notes, name=str(tmp_path))
-    loads, lines = preset_words(run, "a", "mujoco/sleeping")
-    assert loads == "" and lines == about("mujoco").in_own_words({"dt": 0.00125, "sleep": True})
-    (tmp_path / "native").mkdir()
-    (tmp_path / "native" / "a.mujoco.sleeping.0.xml.gz").touch()
-    assert "a.mujoco.sleeping.0.xml" in preset_words(run, "a", "mujoco/sleeping")[0]
-    assert preset_words(run, "a", "avatarsim/paper") == (about("avatarsim").loads.format(preset="paper"), [])
+    assert preset_options(run, "a", "mujoco", "tuned") == {"dt": 0.00125, "sleep": True}
