@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 import pandas as pd
 
-from runfiles.engines import about
+from runfiles.engines import about, run_label
 from runfiles.timing_protocol import RANKED_REPEATS, TAIL_FRAMES, may_rank
 
 AVATAR_METRIC = "tracker_offset_rms"
@@ -40,9 +40,9 @@ def silenced_metrics(run: str, features: Iterable[str]) -> dict[str, str]:
     engine, _, preset = run.partition("/")
     one, silenced = about(engine), dict[str, str]()
     for feature in features:
-        lacking = one.unsupported.get(feature)
-        if lacking is not None and (not lacking.presets or preset in lacking.presets):
-            reason = f"{one.label} has no {feature}" if lacking.lacks == "engine" else f"{feature}: not set up in {one.label}"
+        if (lacking := one.unsupported.get(feature)) and (not lacking.presets or preset in lacking.presets):
+            has_not = f"{run_label(run) if lacking.presets else one.label} has no {feature}"
+            reason = has_not if lacking.lacks == "engine" else f"{feature}: not set up in {one.label}"
             silenced |= dict.fromkeys(lacking.metrics, reason)
     return silenced
 

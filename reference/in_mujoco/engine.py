@@ -30,8 +30,8 @@ Array = NDArray[np.float64]
 
 REPLAY = Path(__file__).with_name("replay.py")
 """The program that plays a run's steps; it is copied into the run's folder."""
-PINNED = "what is installed; 4.0.0 is refused: its Newton solver factors sparse Hessians wrongly"
-"""Reason of the version."""
+PINNED = "what is installed; 4.0.0 is refused (2026-11-21: factors sparse Hessians wrongly), 4.0.1 is right: docs/engines.md"
+"""Reason of the version; no upstream issue is known here. See docs/engines.md and avatarsim/assets/models/mujoco_versions.py."""
 
 
 def _quiet(message: str) -> None:

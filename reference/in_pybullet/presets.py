@@ -98,8 +98,8 @@ _DRIVEN: Preset = {
                                   "5.6 degrees at 0, 1.2 at 5000, and 1.3 with these motors alone; largest overlap 1.3, 0.8 and "
                                   "1.2 mm, offset from the user 39, 32 and 31 mm; 1000 is like 5000"),
     "feed_forward": Chosen(True, "the tracker's own joint velocity: no lag in steady motion"),
-    "root_speed": Chosen(10.0, "without a cap, a blocked root builds up any velocity and is thrown through "
-                               "the obstacle"),
+    "root_speed": Chosen(10.0, "used by drive 'velocity' only, which no preset has: without a cap, a blocked root builds up any "
+                               "velocity and is thrown through the obstacle"),
     "clamp_targets": Chosen(True, "a motor that is asked for more than its joint allows presses against its limit"),
     "gravity_on_links": Chosen(False, "a tracked limb is held up by its user"),
 }

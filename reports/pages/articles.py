@@ -75,13 +75,17 @@ def _engines(run: Run) -> str:
     by_engine: dict[str, dict[str, Any]] = {}
     for note in run.results.engines:
         name = note.run.partition("/")[0]
-        entry = by_engine.setdefault(name, {"version": note.version, "features": {}, "presets": {}})
+        entry = by_engine.setdefault(name, {"version": note.version, "features": {}, "presets": {}, "reasons": {}})
         for feature, consequence in note.unsupported.items():
-            entry["features"].setdefault(feature, consequence)
+            entry["features"].setdefault(feature, (consequence, {}))[1][note.run] = None
         # show the settings of a preset in an everyday scene, where it ran one
         known, everyday = entry["presets"].get(note.run), run.results.everyday
         if note.settings and (known is None or (note.scenario in everyday and known["scene"] not in everyday)):
             entry["presets"][note.run] = {"scene": note.scenario, "settings": note.settings}
+    rows = run.rows[run.rows.why != ""]
+    counts = rows.groupby(["why", "run"]).size() if len(rows) else {}
+    for (why, name), count in counts.items():
+        by_engine.get(name.partition("/")[0], {"reasons": {}})["reasons"].setdefault(why, {})[name] = count
     return _rendered("engines.html.j2", "Engines and settings", engines=by_engine)
 
 
