@@ -54,5 +54,5 @@ def alike_in_game_engines(scene: Scene, share: float = 1e-3, averages: bool = Fa
     if any(avatar.couplings for avatar in scene.avatars):
         lacks["couplings"] = "each joint is led by itself: what blocks a follower does not stop its leader"
     if scene.effects.coupling:
-        lacks["virtual coupling"] = "no spring of eq. 6: after a collision a link goes back to its user as its own drive has it"
+        lacks["virtual coupling"] = "no spring as in equation 6: a link returns to its user by its own drive"
     return lacks | alike_in_all(scene)

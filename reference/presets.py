@@ -72,7 +72,7 @@ class Options(dict[str, Chosen]):
         run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self.items()}
         run["optimises"] = (optimises[preset], "the purpose of this preset")
         if preset == TUNED:
-            run["better elsewhere"] = ("; ".join(better), "settings that are better in something else, and their cost")
+            run["better elsewhere"] = (". ".join(better), "settings that are better in something else, and their cost")
         return run | {"dt as run": (step, cut_into(count))}
 
 

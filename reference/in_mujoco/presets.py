@@ -15,7 +15,7 @@ DEFAULT: Preset = {
     "integrator": Chosen("EULER", DOCUMENTED),
     "cone": Chosen("PYRAMIDAL", DOCUMENTED),
     "refsafe": Chosen(True, DOCUMENTED + ": no time constant is shorter than two steps. It acts on welds, limits and contacts in "
-                            "the standard format only; contacts of one step have the direct one, which it leaves as it is"),
+                            "the standard format only. Contacts of one step have the direct one, which it leaves as it is"),
     "solver": Chosen("NEWTON", DOCUMENTED + "; CG and PGS end as deep"),
     "islands": Chosen(True, DOCUMENTED + " (who does not touch is solved apart)"),
     "warm_starts": Chosen(True, DOCUMENTED + " (the solver begins with the last step's forces)"),
@@ -61,8 +61,8 @@ DEFAULT: Preset = {
     "margin": Chosen(0.0, DOCUMENTED + " (distance [m] at which contact of an avatar's links begins)"),
     "loose_margin": Chosen(0.0, DOCUMENTED + " (distance [m] at which contact begins of simulated bodies with one another and "
                                 "with what is fixed)"),
-    "ball_joints": Chosen("balls", "a ball joint is a ball, whose range limits its total turn: the scene's swing cones are "
-                                   "tendons, its twist has no limit; hinges: three hinges with ranges in its place"),
+    "ball_joints": Chosen("balls", "a ball joint is a ball, whose range limits its total turn. The scene's swing cones are "
+                                   "tendons, its twist has no limit. Hinges: three hinges with ranges in its place"),
     "sleep": Chosen(False, DOCUMENTED + " (trees at rest are computed like all others)"),
     "floors": Chosen("boxes", "a fixed box is a box, as the scene has it"),
 }
@@ -70,14 +70,14 @@ DEFAULT: Preset = {
 how many links of a body to weld."""
 
 EVERYWHERE: Mapping[str, tuple[object, str]] = {
-    "filterparent": (False, "disabled in every preset, default too, where MuJoCo's default is on: which pairs may meet is the "
-                            "scene's, the same for every engine; MuJoCo's rule also drops grandparents across rigid joints"),
-    "autoreset": (False, "disabled in every preset, default too, where MuJoCo's default is on: a state that has diverged must "
+    "filterparent": (False, "disabled in every preset, default too, where MuJoCo's default is on. Which pairs may meet is the "
+                            "scene's. MuJoCo's rule also drops grandparents across rigid joints"),
+    "autoreset": (False, "disabled in every preset, default too, where MuJoCo's default is on. A state that has diverged must "
                          "stay visible instead of going back to the first one"),
     "contact excludes": ("pairs that the scene lets pass", "in every preset: what filterparent would drop, and what scenes say "
                                                            "beyond it"),
-    "welds": ("one per link", "in every preset but servos, which welds the root alone: each link that moves is welded to a mocap "
-                              "body of its own, since a tracker gives a pose for each; the "
+    "welds": ("one per link", "in every preset but servos, which welds the root alone. Each link that moves is welded to a mocap "
+                              "body of its own, since a tracker gives a pose for each. The "
                               "documentation says of no body how many of its links to weld"),
 }
 """Departures from MuJoCo's defaults in every preset: setting -> (value, reason)."""
@@ -109,10 +109,10 @@ _ONE_STEP: Preset = {
     "kappa": Chosen(0.002, "position correction of bouncing pairs: adds at most this to e; a stack of ten ends 0.003 mm deep "
                            "(0.02: 0.0002 mm deep, e off by 0.019)"),
     "kappa_driven": Chosen(0.25, "a critically damped stop for driven bodies, which do not bounce"),
-    "kappa_resting": Chosen(0.1, "position correction of simulated bodies that do not bounce: where they fall on one another it "
+    "kappa_resting": Chosen(0.1, "position correction of simulated bodies that do not bounce. Where they fall on one another it "
                                 "makes up to this much restitution"),
     "friction_steps": Chosen(2.0, "time constant, in steps, of friction between bodies that bounce: an impact lasts one "
-                                  "step. The price is the convex cone: what slides on leaves with friction times its sliding "
+                                  "step. The price is the convex cone. What slides on leaves with friction times its sliding "
                                   "speed on top (0.48 of 5 m/s in oblique_bounce; at 20 steps friction is 1.2 m/s short), unless "
                                   "friction is found afterwards: see impratio"),
     "friction_steps_resting": Chosen(40.0, "the same where nothing bounces: at 2 steps a box that slides at 3 m/s hops by "
@@ -255,8 +255,8 @@ SCENES: Mapping[str, Preset] = {
 
 _SLEEPING: Preset = {
     "sleep": Chosen(True, "MuJoCo's documented flag: trees that stay below its velocity tolerance are not computed until "
-                          "something wakes them. A row of its own, in scenes with bodies that are to rest: frames of what "
-                          "rests take a sixteenth, and what falls asleep keeps the overlap that it has, hence loose_margin"),
+                          "something wakes them. A row of its own, in scenes with bodies that are to rest. Frames of what "
+                          "rests take a sixteenth; what falls asleep keeps the overlap that it has, hence loose_margin"),
 }
 
 
@@ -276,7 +276,7 @@ _ASLEEP: Mapping[str, Preset] = {
 """Both sides of that choice are shown, as two rows side by side."""
 
 _SERVOS: Preset = {
-    "drive": Chosen("motors", "the usual idiom where a body follows motion capture: a servo in each joint, the root alone welded "
+    "drive": Chosen("motors", "usual where a body follows motion capture: a servo in each joint, the root alone welded "
                               "to its mocap body. A row of its own, in scenes of recorded motion"),
     "integrator": Chosen("DISCRETE", "servos damp outside the constraints: under IMPLICITFAST they and swing limits diverge"),
     "dt": Chosen(1.0 / 960.0, "as tuned. At 1/240 s, without refsafe and with an armature of 4, one motion in a corridor that "
@@ -293,8 +293,8 @@ _SERVOS: Preset = {
 
 _HINGED: Preset = {
     "ball_joints": Chosen("hinges", "three hinges with ranges for each ball joint, the last about the limb, as MJCF models of "
-                                    "bodies have them: twist is limited, at the second hinge's angle not by the same angle as "
-                                    "the scene's, and the second ends at 89 degrees. A row of its own, in rooms that nothing "
+                                    "bodies have them. Twist is limited, at the second hinge's angle by another angle than "
+                                    "the scene's. The second ends at 89 degrees. A row of its own, in rooms that nothing "
                                     "was tuned for. In a study of five, with motions of their own, hinges "
                                     "and tuned: excess 0.9 and 4.6, 5.6 and 36, 28 and 145, 95 and 138, 95 and 150 degrees; "
                                     "overlap at most 2.9 and 6.3 mm, in each room as shallow or shallower; offsets up to a sixth "
@@ -302,15 +302,14 @@ _HINGED: Preset = {
 }
 
 OPTIMISES: Mapping[str, str] = {
-    "default": "nothing: what the documentation gives, but for what every preset has (see above): filterparent and autoreset "
+    "default": "nothing: what the documentation gives, but for what every preset has. That is: filterparent and autoreset "
                "disabled, a weld per link, pairs excluded as the scene has them",
-    "tuned": "the least of the larger of two: overlap in any frame shown, and error to a closed form or of a rest, where the "
-             "scene has one (a hundredth of a way counts as 10 mm); of several settings as good, to a tenth, the nearest to the "
-             "user, and time only among those: 1/960 s is twice the time of 1/480 s, for no overlap instead of 4 mm in a study "
-             "of eight clips against a wall",
+    "tuned": "the least of the larger of two: overlap in any frame shown, and error to a closed form or of a rest. A hundredth "
+             "of a way counts as 10 mm. Of settings as good, to a tenth, the nearest to the user is taken, and time decides only "
+             "among those. 1/960 s is twice the time of 1/480 s, for no overlap instead of 4 mm in a study of eight clips",
     "sleeping": "time where bodies rest, and no overlap that is kept asleep; all else as tuned",
-    "servos": "torques that a motor could have, where a body of many links follows a recorded motion, and poses that are numbers "
-              "in motion that nothing was tuned for; not overlap, nor distance from the user; all else as tuned",
+    "servos": "torques that a motor could have, where a body of many links follows a recorded motion. Poses are to be numbers "
+              "in motion that nothing was tuned for. Overlap and distance from the user do not count; all else as tuned",
     "hinges": "limits of twist; all else as tuned",
 }
 """Purpose of each preset, in one sentence."""

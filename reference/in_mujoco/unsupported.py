@@ -20,14 +20,14 @@ def unsupported(scene: Scene, hinged: bool = False) -> Mapping[str, str]:
     limited = any(ball.limits for ball in balls)
     if limited and hinged:
         features["swing and twist limits"] = (
-            "three hinges with ranges replace each ball joint: they limit Cardan angles, the second to 89 degrees; tendons limit "
+            "three hinges with ranges replace each ball joint. They limit Cardan angles, the second to 89 degrees. Tendons limit "
             "swing cones besides"
         )
     elif limited:
         features["twist limits"] = (
-            "our adapter makes ball joints, whose range limits their total rotation only; swing cones are said by tendons (tuned "
-            "only, as no such limit is documented); twist is limited in what the joint is asked for (tuned only), not in what "
-            "contact makes of it: three hinges with ranges (row mujoco/hinges) limit it, at other angles than these"
+            "our adapter makes ball joints, whose range limits their total rotation only. Tuned, tendons limit swing; no such "
+            "limit is documented. Tuned, twist is limited in what the joint is asked for, not in what contact makes of it. Row "
+            "mujoco/hinges limits it by three hinges, at other angles than these"
         )
     if scene.effects.restitution:
         features["restitution"] = (
@@ -36,8 +36,8 @@ def unsupported(scene: Scene, hinged: bool = False) -> Mapping[str, str]:
         )
     if scene.effects.coupling:
         features["virtual coupling"] = (
-            "a weld is a spring that always pulls, where that of eq. 6 begins with a collision: with its K and R a link also "
-            "sets out late; so a link goes back to its user as its weld has it"
+            "a weld is a spring that always pulls; that of equation 6 begins with a collision. With its K and R a link "
+            "also sets out late. So a link goes back to its user as its weld has it"
         )
     if any(isinstance(avatar.links[0].joint, Rigid) for avatar in scene.avatars):
         features["rigid root"] = "links that cannot move make no contact with fixed bodies"

@@ -37,7 +37,7 @@ DEFAULT: Preset = {
     "velocity_gain": Chosen(1.0, DOCUMENTED),
     "hinge_force": Chosen(100000.0, DOCUMENTED + " (largest torque of a hinge's motor) [N m]"),
     "ball_force": Chosen(100000.0, DOCUMENTED + " (largest torque of a ball joint's motor) [N m]"),
-    "ball_limits": Chosen(True, "avatars whose ball joints have limits come from a URDF file, where Bullet has such limits: in a "
+    "ball_limits": Chosen(True, "avatars whose ball joints have limits come from a URDF file, where Bullet has such limits. In a "
                                 "study of 26 humanoid scenes the default's mean excess is 4.9 degrees; false: from "
                                 "createMultiBody, which has none: 6.9"),
     "limit_force": Chosen(0.0, "0: ball joints have Bullet's limits alone"),
@@ -56,7 +56,7 @@ _ALWAYS: Preset = {
                                      "mm"),
     "damping": Chosen(0.0, "nothing in the scene damps free motion"),
     "restitution_threshold": Chosen(0.01, "the default 0.2 m/s kills small bounces"),
-    "sleep": Chosen(False, "what rests is computed here, so that these rows say what that costs; the row pybullet/sleeping has "
+    "sleep": Chosen(False, "what rests is computed here, so that these rows say what that costs. The row pybullet/sleeping has "
                            "the flag, by which bodies sleep after two seconds of rest"),
 }
 
@@ -199,22 +199,22 @@ SCENES: Mapping[str, Preset] = {
 _FOLLOWS: Preset = {
     "feed_forward": Chosen(True, "the default with the tracker's own velocity: default motors aim where their user is now, "
                                  "and trail all that moves"),
-    "ball_gain": Chosen(0.5, "a tenth of the error per step, as hinges at their default gain; a ball's motor of gain 0.1 "
-                             "corrects a fiftieth. A row of its own, in scenes of recorded motion: in a study mocap_run was "
-                             "8.8 mm off while free, default 121, tuned 110; limits and overlap are as bad as the default's"),
+    "ball_gain": Chosen(0.5, "a tenth of the error per step, as hinges at their default gain. A ball's motor of gain 0.1 "
+                             "corrects a fiftieth. A row of its own, in scenes of recorded motion. In a study mocap_run was "
+                             "8.8 mm off while free, default 121, tuned 110. Limits and overlap are as bad as the default's"),
 }
 
 _SLEEPING: Preset = {
-    "sleep": Chosen(True, "PyBullet's activation state ENABLE_SLEEPING for all that is simulated: bodies that rest for two "
+    "sleep": Chosen(True, "PyBullet's activation state ENABLE_SLEEPING for all that is simulated. Bodies that rest for two "
                           "seconds are not computed until something wakes them. A row of its own, in scenes with bodies that "
-                          "are to rest: in a study a frame of stack_ten took 32 us once it slept, 3.4 ms before"),
+                          "are to rest. In a study a frame of stack_ten took 32 us once it slept, 3.4 ms before"),
 }
 
 OPTIMISES: Mapping[str, str] = {
-    "default": "nothing: what the documentation gives, but for the root's constraint, whose force is our setting (root_force, "
-               "hand_force), and for motors, to which we give no target velocity (feed_forward)",
-    "tuned": "the least overlap in any frame shown and the least error to a closed form, then the least excess over joint "
-             "limits and the least distance from the user; time decides where a setting takes several times as long for a "
+    "default": "nothing: what the documentation gives, with two exceptions. The force of the root's constraint is our setting "
+               "(root_force, hand_force), and motors get no target velocity (feed_forward)",
+    "tuned": "the least overlap in any frame shown and the least error to a closed form. Then the least excess over joint "
+             "limits and the least distance from the user. Time decides where a setting takes several times as long for a "
              "millimetre",
     "sleeping": "time where bodies rest; all else as tuned",
     "follows": "the least distance from the user while nothing is in the way; all else as the default",

@@ -21,8 +21,8 @@ def unsupported(scene: Scene) -> Mapping[str, str]:
     if limits:
         wide = sum(limit.swing > WIDEST for limit in limits)
         features["swing cones"] = (
-            "a joint has limits of two angles and of twist: a cone is the pyramid about it, up to 16 degrees wider in its corners"
-            + (f"; of {wide} joints with cones wider than {np.degrees(WIDEST):g} degrees only twist is limited" if wide else "")
+            "a joint has limits of two angles and of twist. A cone is the pyramid about it, up to 16 degrees wider in its corners"
+            + (f". Of {wide} joints with cones wider than {np.degrees(WIDEST):g} degrees only twist is limited" if wide else "")
             + ". Motors hold harder beyond the cone (tuned only)"
         )
     return features

@@ -52,7 +52,7 @@ _BOUNCING: Preset = {"dt": Chosen(1.0 / 3840.0, "where only bounces are judged: 
 
 OPTIMISES: Mapping[str, str] = {
     "default": "nothing: the library's own values, with a spring per link",
-    "tuned": "the least overlap in any frame shown, then the least error to a closed form, then the least distance from the user",
+    "tuned": "the least overlap in any frame shown, then error to a closed form, then distance from the user",
     "sleeping": "time where bodies rest; all else as tuned",
     "multibody": "joint limits of avatars that have hinges only; all else as tuned, at several times its cost",
 }
