@@ -77,7 +77,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         else:
             readme.write(read(chosen.run), README)
             print(README)
-    except AvatarsimError as error:
+    except (AvatarsimError, OSError) as error:
         print(f"reports: {error}", file=sys.stderr)
         return 2
     return 0

@@ -7,6 +7,7 @@ from fractions import Fraction
 from functools import cache
 from importlib import metadata
 from importlib.util import find_spec
+from math import isfinite
 from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Literal
@@ -122,7 +123,8 @@ class About:
         lines = []
         for name, value in options.items():
             # a step to its last digit, as a fraction
-            shown = str(Fraction(value).limit_denominator(100_000)) if name == "dt" and isinstance(value, float) else str(value)
+            is_step = name == "dt" and isinstance(value, float) and isfinite(value)
+            shown = str(Fraction(value).limit_denominator(100_000)) if is_step else str(value)
             words = self.native.get(name, f"# {name} = {{}}")
             lines.append(words.format(shown) if isinstance(words, str) else words[shown.lower()])
         return lines

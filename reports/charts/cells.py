@@ -63,7 +63,7 @@ def hard_cases(run: Run, cases: pd.DataFrame) -> Spec:
         values.append({
             "column": run_label(row.run), "row": row.case, "lost": lost > 0, "bright": lost > 0 or row.drift > 5e-3,
             "text": f"✕ {lost} of {row.trials}" if lost else quantity(row.drift, "m", 2) if row.trials else "–",
-            "shade": -7.0 if math.isnan(row.drift) else math.log10(max(row.drift, 1e-7)),
+            "shade": -7.0 if math.isnan(row.drift) else math.log10(min(max(row.drift, 1e-7), 1e7)),
             "trials": str(row.trials), "finite": str(row.not_finite), "left": str(row.left),
             "overlap": quantity(row.overlap, "m") if row.overlap == row.overlap else "–",
             "energy": quantity(row.energy, "J") if row.energy == row.energy else "–",

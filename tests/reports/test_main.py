@@ -86,6 +86,11 @@ def test_diff_fails_only_when_something_got_worse(run_dir: Write, results: Json,
     assert main(["diff", str(kept), str(old)]) == 2
 
 
+def test_a_place_that_takes_no_file_is_a_sentence(run_dir: Write, results: Json, capsys: Output) -> None:
+    assert main(["baseline", str(run_dir(results)), "--to", "a" * 5000]) == 2
+    assert "aaa" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("words", [[], ["nothing"], ["write", "--no-such-option"], ["diff"]])
 def test_wrong_usage_is_exit_code_2(words: Sequence[str]) -> None:
     with pytest.raises(SystemExit) as error:

@@ -70,6 +70,15 @@ def texts(part: Any) -> Iterator[str]:
             yield from texts(one)
 
 
+@pytest.mark.parametrize("drift", [0.0, math.nan, math.inf, 1e300])
+def test_hard_cases_have_finite_shades(tmp_path: Path, drift: float) -> None:
+    write_all(tmp_path)
+    table = by_case(tmp_path)
+    assert table is not None
+    spec = cells.hard_cases(run(), table.assign(drift=drift))
+    assert all(math.isfinite(cell["shade"]) for cell in spec["data"]["values"])
+
+
 def test_every_chart_can_be_drawn_in_both_themes(tmp_path: Path) -> None:
     palettes = marks.palette(["newcomer"])
     for name, spec in specifications(tmp_path).items():

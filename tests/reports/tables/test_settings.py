@@ -72,6 +72,12 @@ def test_a_step_is_written_as_the_fraction_that_it_is(rate: int) -> None:
     assert f"1/{rate}" in line if rate > 1 else line.rstrip(")").endswith("1")
 
 
+@pytest.mark.parametrize("step", [math.nan, math.inf, -math.inf])
+def test_a_step_that_is_no_number_is_written_as_it_is(step: float) -> None:
+    [line] = about("pybullet").in_own_words({"dt": step})
+    assert str(step) in line
+
+
 @pytest.mark.parametrize(
     ("options", "steps"), [("dt = 0.001", 1000.0), ("dt = 0.001\nsleep = true", math.nan), ("sleep = true", math.nan)]
 )
