@@ -55,6 +55,8 @@ def reasons(rows: pd.DataFrame, notes: Iterable[Note]) -> pd.Series:
         notes: of all runs.
     """
     notes, why = tuple(notes), pd.Series("", index=rows.index, dtype=object)
+    if rows.empty:
+        return why
     ranks = [may_rank(metric, note) for metric, note in zip(rows.metric, rows.note, strict=True)]
     why[~np.array(ranks, dtype=bool)] = FEW_FRAMES
     engine = rows.run.str.partition("/")[0]

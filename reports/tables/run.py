@@ -1,7 +1,7 @@
 """A run folder as one table: a row per scene, engine, preset, seed and metric."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from reports.reading.load import Results, load
 from runfiles.comparable import AVATAR_METRIC, TIME, reasons
 from runfiles.engines import about, main_runs
 from runfiles.naming import GATED
+from runfiles.table import Row
 
 PLAIN = re.compile(r"\w[\w.-]{0,199}")
 """Valid names of scenes, which are file names of their pages."""
@@ -40,7 +41,9 @@ class Run:
         even           flag: it does, for short
         """
         listed = [{**vars(row), "run": row.run, "measured": row.value is not None} for row in self.results.rows]
-        rows = pd.DataFrame(listed).rename(columns={"ceiling": "waiver"})
+        # a run may have no rows yet, and still has columns
+        rows = pd.DataFrame(listed, columns=[*(one.name for one in fields(Row)), "run", "measured"])
+        rows = rows.rename(columns={"ceiling": "waiver"})
         rows = rows.astype(dict.fromkeys(("value", "bound", "waiver"), float))
         rows["why"] = reasons(rows, self.results.engines)
         rows["even"] = rows.why == ""

@@ -43,3 +43,7 @@ def test_variant_stands_in_for_a_preset_that_cannot_compare() -> None:
     rows = run_of([figure(scene, one, metric, value) for scene, one, value in figures], notes=notes).main_rows(metric)
     found = {(row.scenario, row.run): (row.value, row.by, row.even) for row in rows.itertuples()}
     assert found == {("a", MUJOCO): (1.0, "hinges", False), ("b", MUJOCO): (2.0, "", True), ("a", OURS): (0.0, "", True)}
+
+
+def test_a_run_without_rows_has_its_columns() -> None:
+    assert run_of([]).rows.empty and run_of([]).runs == () and run_of([]).avatars == frozenset()
