@@ -9,6 +9,7 @@ import warnings
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import chdir
 from dataclasses import dataclass, field
 from fnmatch import fnmatch
 from functools import cache
@@ -94,7 +95,9 @@ def ask(batch: Batch, first: int, last: int) -> Iterator[tuple[int, str, Finding
                 # once the valid files have been made, and their makers are imported
                 judge = judge or Judge(door.reserves)
                 yield k, case.text[:400], None
-                finding = judge.verdict(case)
+                # words may name a file to write, which is then one of this folder
+                with chdir(folder):
+                    finding = judge.verdict(case)
                 if finding is not None:
                     yield k, case.text[:400], finding
 
