@@ -100,7 +100,7 @@ def make_free_search(world: World, weights: Array) -> FreeSearch:
 @kernel
 def place_solved(rig: Rig, posture: Posture, poses_out: Poses, search_out: FreeSearch) -> None:
     """Compute poses of all avatars that are solved for at a posture, and axes of their degrees."""
-    for avatar in range(search_out.avatars.first_link.shape[0] - 1):
+    for avatar in range(rig.avatars.first_link.shape[0] - 1):
         search_out.scratch.is_active[avatar] = search_out.is_solved[avatar]
         if search_out.is_solved[avatar] > 0:
             carry_avatar(rig, avatar, posture, search_out.scratch.still, poses_out, search_out.state.axes)
@@ -122,7 +122,7 @@ def is_looked_at(rig: Rig, search: FreeSearch, b: int, other: int) -> bool:
     if other == b or search.is_seen[other] == 0 or not may_meet(rig.geo.wanted, b, other):
         return False
     link = other - rig.skel.first
-    return other > b or link < 0 or search.is_solved[search.avatars.avatar[link]] == 0
+    return other > b or link < 0 or search.is_solved[rig.avatars.avatar[link]] == 0
 
 
 @kernel
@@ -130,7 +130,7 @@ def add_rows(
     rig: Rig, poses: Poses, margin: float, is_strict: bool, within: float, search_out: FreeSearch
 ) -> float:
     """Begin the rows anew, one per pair at most `within` [m] apart; return the least gap [m], beyond the need of its pair."""
-    s, avatars, worst = search_out.scratch, search_out.avatars, inf
+    s, avatars, worst = search_out.scratch, rig.avatars, inf
     s.rows.used[0], s.rows.ready[0] = 0, 0
     for b in range(rig.skel.first, poses.position.shape[0]):
         if search_out.is_solved[avatars.avatar[b - rig.skel.first]] == 0 or search_out.is_seen[b] == 0:
@@ -218,7 +218,7 @@ def add_row(
 def value_at(rig: Rig, posture: Posture, poses: Poses, search_out: FreeSearch) -> float:
     """Return the objective f of all avatars that are solved for, at a posture whose poses are at hand."""
     total, s, state = 0.0, search_out.scratch, search_out.state
-    for avatar in range(search_out.avatars.first_link.shape[0] - 1):
+    for avatar in range(rig.avatars.first_link.shape[0] - 1):
         if search_out.is_solved[avatar] > 0:
             tangent_error(rig, avatar, posture, s.target, s.objective.error)
             locate(rig, avatar, state.tracker_before, state.tracking, s.objective)
@@ -230,7 +230,7 @@ def value_at(rig: Rig, posture: Posture, poses: Poses, search_out: FreeSearch) -
 @kernel
 def solve_step(rig: Rig, posture: Posture, poses: Poses, pull: float, search_out: FreeSearch) -> float:
     """Solve for the QP's step from a posture, with `pull` as the share of the way to the target; return its largest part."""
-    s, state, avatars, count = search_out.scratch, search_out.state, search_out.avatars, 0
+    s, state, avatars, count = search_out.scratch, search_out.state, rig.avatars, 0
     for avatar in range(avatars.first_link.shape[0] - 1):
         if s.is_active[avatar] == 0:
             continue
@@ -256,7 +256,7 @@ def solve_step(rig: Rig, posture: Posture, poses: Poses, pull: float, search_out
 @kernel
 def go(rig: Rig, posture_out: Posture, search_out: FreeSearch) -> None:
     """Take the step, and bring the posture back within the limits of its joints."""
-    s, avatars = search_out.scratch, search_out.avatars
+    s, avatars = search_out.scratch, rig.avatars
     for avatar in range(avatars.first_link.shape[0] - 1):
         if search_out.is_solved[avatar] > 0:
             take_step(rig, avatar, s.step, posture_out)
@@ -267,7 +267,7 @@ def go(rig: Rig, posture_out: Posture, search_out: FreeSearch) -> None:
 @kernel
 def copy_solved(rig: Rig, posture: Posture, posture_out: Posture, search: FreeSearch) -> None:
     """Copy the posture of all avatars that are solved for."""
-    for avatar in range(search.avatars.first_link.shape[0] - 1):
+    for avatar in range(rig.avatars.first_link.shape[0] - 1):
         if search.is_solved[avatar] > 0:
             copy_posture(rig, avatar, posture, posture_out)
 
@@ -358,7 +358,7 @@ def aim(world: Index, search: Index) -> None:
 @kernel
 def is_apart(rig: Rig, poses: Poses, margin: float, is_strict: bool, search: FreeSearch) -> bool:
     """Return True if all pairs have the gaps that they need; it ends at the first one that does not."""
-    avatars = search.avatars
+    avatars = rig.avatars
     for b in range(rig.skel.first, poses.position.shape[0]):
         if search.is_solved[avatars.avatar[b - rig.skel.first]] == 0 or search.is_seen[b] == 0:
             continue

@@ -263,7 +263,7 @@ def surely_in_cone(
     """Return True if swing and twist alone are surely inside. `edge`: cosine and sine of the largest swing; the twist takes
     `probe` to `swung` with the swing undone; low, high: cosines and sines of its ends.
 
-    Takes numbers and not the limits, since passing that takes longer than the test.
+    Takes numbers and not the limits, since passing these takes longer than the test.
     """
     back, cosine = cross(limb, centre), dot(limb, centre)
     sine = norm(back)

@@ -25,9 +25,9 @@ def unsupported(scene: Scene, hinged: bool = False) -> Mapping[str, str]:
         )
     elif limited:
         features["twist limits"] = (
-            "our adapter makes ball joints, whose range limits their total rotation only. Tuned, tendons limit swing; no such "
-            "limit is documented. Tuned, twist is limited in what the joint is asked for, not in what contact makes of it. Row "
-            "mujoco/hinges limits it by three hinges, at other angles than these"
+            "our adapter makes ball joints, whose range limits their total rotation only. Preset tuned limits swing by "
+            "tendons, which is not a documented limit. It clips the commanded twist; contact forces can still exceed the limit. "
+            "Row mujoco/hinges has three hinges with ranges, whose angles differ from swing and twist"
         )
     if scene.effects.restitution:
         features["restitution"] = (

@@ -22,6 +22,7 @@ from avatarsim.assets import caps
 from avatarsim.assets.models import doors
 from avatarsim.assets.models.mujoco_versions import check_folder
 from avatarsim.errors import ROOT, InvalidFile, MissingPackage
+from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -149,6 +150,15 @@ class Compiled:
     mesh_facenum: Indices
     mesh_vert: Array
     mesh_face: Indices
+
+    def pose(self, body: int) -> tuple[Array, Array]:
+        """Return position (3,) [m] and orientation (4,) of a body in the world, at the reference."""
+        place, turn = np.zeros(3), np.array(rotation.IDENTITY)
+        while body > 0:
+            frame = rotation.normalised(self.body_quat[body])
+            place, turn = self.body_pos[body] + rotation.rotate(frame, place), rotation.multiply(frame, turn)
+            body = int(self.body_parentid[body])
+        return place, turn
 
     def mesh(self, k: int) -> tuple[Array, Indices]:
         """Return vertices (n, 3) [m] and triangles (t, 3) of mesh `k`."""

@@ -101,7 +101,10 @@ class _Reading:
         self._laws = Laws(model, path.name)
         self._pose = start_pose(model, options.keyframe, path.name)
         roots = [self._pose.root(bodies[0])[0] for bodies in trees(model) if np.isin(model.jnt_bodyid, bodies).any()]
-        self._geoms = Geoms(model, options.pieces, options.leave, np.array(roots or [np.zeros(3)]))
+        if not roots or options.driven is False:
+            # the avatar of a room comes from another file
+            roots.append(np.zeros(3))
+        self._geoms = Geoms(model, options.pieces, options.leave, np.array(roots))
         self._filter = Filter(model, options.masks)
         self._parts: dict[str, Part] = {}
         self._moving: list[Avatar] = []

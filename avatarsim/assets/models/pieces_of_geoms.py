@@ -34,7 +34,7 @@ PRIMITIVES = {
 
 PLANE = (200.0, 200.0, 10.0)
 """Full size [m] of the box for an infinite plane, below it: farther than an avatar walks in minutes, deeper than one falls in a
-frame. It lies about the foot of the middle of what moves, wherever the plane's own centre is."""
+frame. Its centre is the mean position of the moving bodies, projected onto the plane."""
 
 Visual = Piece | tuple[Array, Indices]
 """A drawn part of a body: a primitive, or vertices (n, 3) [m] and triangles (t, 3) of a mesh."""
@@ -69,7 +69,7 @@ class MeshWishes:
 
 @dataclass(eq=False)
 class Geoms:
-    """The geoms of a model that bodies collide with, less those named in `leave`. `roots` (n, 3) [m]: places of what moves."""
+    """The geoms of a model that bodies collide with, less those in `leave`. `roots` (n, 3): positions of moving roots [m]."""
 
     model: Compiled
     wanted: MeshWishes = MeshWishes()
@@ -90,7 +90,7 @@ class Geoms:
 
     @cached_property
     def plane(self) -> tuple[float, float, float]:
-        """Return the full size [m] of the box for an infinite plane: PLANE, wider where what moves is far apart."""
+        """Return the full size [m] of the box for an infinite plane: PLANE, wider if the moving bodies are far apart."""
         far = float(np.linalg.norm(self.roots - self.roots.mean(axis=0), axis=1).max())
         wide = PLANE[0] + (2.0 * far if far > 0.25 * PLANE[0] else 0.0)
         return wide, wide, PLANE[2]
@@ -160,12 +160,8 @@ class Geoms:
         return found
 
     def _off_centre(self, geom: int) -> Array:
-        """Return x and y [m] of the middle of what moves, in the frame of a plane, which stands still."""
-        at, about, body = self.model.geom_pos[geom], self.model.geom_quat[geom], int(self.model.geom_bodyid[geom])
-        while body > 0:
-            turn = self.model.body_quat[body]
-            at, about = self.model.body_pos[body] + rotation.rotate(turn, at), rotation.multiply(turn, about)
-            body = int(self.model.body_parentid[body])
+        """Return the mean position (2,) [m] of the moving bodies in the frame of a plane geom, whose body is fixed."""
+        at, about = self._placed(geom, *self.model.pose(int(self.model.geom_bodyid[geom])))
         return rotation.rotate(rotation.conjugate(about), self.roots.mean(axis=0) - at)[:2]
 
     def _placed(self, geom: int, offset: Array, turn: Array) -> tuple[Array, Array]:

@@ -41,18 +41,8 @@ def _holds_reference(model: Compiled, k: int) -> bool:
     if not model.eq_data[k, 10] > 0.0:
         # turns are free
         return False
-    (place, turn), (other_place, other_turn) = (_pose(model, int(body)) for body in (model.eq_obj1id[k], model.eq_obj2id[k]))
+    (place, turn), (other_place, other_turn) = (model.pose(int(body)) for body in (model.eq_obj1id[k], model.eq_obj2id[k]))
     anchor, offset, relative = model.eq_data[k, :3], model.eq_data[k, 3:6], rotation.normalised(model.eq_data[k, 6:10])
     away = place + rotation.rotate(turn, offset) - other_place - rotation.rotate(other_turn, anchor)
     cosine = abs(float(np.dot(rotation.multiply(turn, relative), other_turn)))
     return float(np.linalg.norm(away)) <= SAME and 1.0 - cosine <= SAME**2
-
-
-def _pose(model: Compiled, body: int) -> tuple[Array, Array]:
-    """Return position [m] and orientation of a body in the world, at the reference."""
-    place, turn = np.zeros(3), np.array(rotation.IDENTITY)
-    while body > 0:
-        frame = rotation.normalised(model.body_quat[body])
-        place, turn = model.body_pos[body] + rotation.rotate(frame, place), rotation.multiply(frame, turn)
-        body = int(model.body_parentid[body])
-    return place, turn

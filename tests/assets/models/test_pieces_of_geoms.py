@@ -70,6 +70,13 @@ def test_a_plane_is_under_what_moves_wherever_its_centre_is(
         assert (np.abs(off[:2]) <= 0.5 * piece.shape.size[0] - 99.0).all(), "with room to walk"
 
 
+def test_the_floor_of_a_room_carries_an_avatar_at_the_origin(tmp_path: Path) -> None:
+    drawer = '<body pos="500 0 1"><joint type="slide"/><geom size="0.1"/></body>'
+    ground = room_of(tmp_path, f'<geom name="ground" type="plane" size="1 1 1"/>{drawer}')["ground"]
+    (piece,) = ground.pieces
+    assert isinstance(piece.shape, av.Box) and abs(piece.position[0]) <= 0.5 * piece.shape.size[0] - 99.0
+
+
 def test_a_prism_stands_around_its_cylinder(tmp_path: Path) -> None:
     shape = room_of(tmp_path, '<geom name="can" type="cylinder" size="0.3 0.5"/>')["can"].pieces[0].shape
     assert isinstance(shape, av.ConvexHull) and len(shape.vertices) == 2 * SIDES
