@@ -4,18 +4,27 @@ Off, the clock costs one count per stage; counters are unpacked only when they a
 """
 
 from collections.abc import ItemsView, Iterator, Mapping, Sequence
+from enum import IntEnum
 from time import perf_counter_ns
 from types import TracebackType
 from typing import ClassVar
 
 import numpy as np
 
-STAGES = ("coupling", "posture", "motion")
-"""The stages of a frame that are timed apart: "posture" is the lower loop; "motion" the upper loop; "coupling" its effect on
-avatars afterwards: impulses, poses of avatars under load, and a second solve of the posture for links that bodies blocked."""
+
+class Stage(IntEnum):
+    """Stages of a frame, in order (Schmidl and Lin 2004, Figure 3)."""
+
+    POSTURE = 0
+    """Lower loop: driven bodies go towards the tracker and stop where they touch."""
+    MOTION = 1
+    """Upper loop: simulated bodies move, and hit."""
+    COUPLING = 2
+    """Effect of the upper loop on avatars: impulses, poses of avatars under load, and a second solve of the posture for links
+    that bodies blocked."""
 
 
-class Stage:
+class StageClock:
     """Counts the calls of one stage since it was made, and its nanoseconds since the frame began when `timing`."""
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ("calls", "ns", "_start")
@@ -38,31 +47,28 @@ class Stage:
             self.ns += perf_counter_ns() - self._start
 
 
-class StageClock:
-    """One `Stage` per name."""
+class FrameClock:
+    """One `StageClock` per stage."""
 
     def __init__(self, timing: bool) -> None:
         self.timing = timing
-        self.stages = {name: Stage(timing) for name in STAGES}
+        self.stages = tuple(StageClock(timing) for _ in Stage)
 
-    def frame(self) -> None:
+    def begin(self) -> None:
         """Begin a frame: forget the last one's times."""
-        for stage in self.stages.values():
-            stage.ns = 0
-
-    def stage(self, name: str) -> Stage:
-        """Return the stage, to be used in a `with`."""
-        return self.stages[name]
+        if self.timing:
+            for stage in self.stages:
+                stage.ns = 0
 
     @property
     def calls(self) -> dict[str, int]:
         """Return calls per stage since the clock was made."""
-        return {name: stage.calls for name, stage in self.stages.items()}
+        return {stage.name.lower(): self.stages[stage].calls for stage in Stage}
 
     @property
     def ns(self) -> dict[str, int]:
         """Return nanoseconds per stage of this frame, zero for those that were not called; empty unless timing."""
-        return {name: stage.ns for name, stage in self.stages.items()} if self.timing else {}
+        return {stage.name.lower(): self.stages[stage].ns for stage in Stage} if self.timing else {}
 
 
 WORD = np.dtype(np.int64).itemsize

@@ -1,30 +1,38 @@
 """One rendered frame: the paper's Figure 3 on one screen, and nothing else.
 
-Lower loop: driven bodies go towards the tracker and stop where they touch. Upper loop: simulated bodies move on.
-
-`batch.advance_worlds` has the stages of the frame once more, for `advance_many`: there a kernel passes the frames of all worlds
-that need nothing between their stages. `engine.advance` comes here, and so do worlds of `advance_many` whose stages are timed,
-which are recorded, or whose method is another than `default`.
+Lower loop: driven bodies go towards the tracker and stop where they touch. Upper loop: simulated bodies move on. Their order is
+that of `Stage`; `stages.py` has their kernels.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.batch import MOVING, Output, job_of
-from avatarsim.counters import StageClock, Tally
+from avatarsim.counters import FrameClock, Stage, Tally
 from avatarsim.engine import Snapshot
+from avatarsim.errors import AvatarsimError
 from avatarsim.jit.layout import Index
 from avatarsim.lower_loop import IkLoop, TrackedLoop
-from avatarsim.model.world import Target, World, sample_arrays
+from avatarsim.model.world import NOT_FINITE_POSE, Target, World, sample_arrays, shown_poses
 from avatarsim.paper.method import PaperLoop
 from avatarsim.rehearsal import Part
-from avatarsim.rigid.step import SimulatedLoop
+from avatarsim.rigid.step import DONE, SimulatedLoop
+from avatarsim.scene.effects import Effects
 from avatarsim.scene.moving import Pose, with_moving
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
+from avatarsim.stages import FINITE, MOVING, STAGE_KERNELS, STATUS, Output, Shown, make_job, pass_shown
+
+
+def stages_of(effects: Effects, is_driven: bool) -> tuple[Stage, ...]:
+    """Return the stages that a scene needs, in order."""
+    return (
+        *((Stage.POSTURE,) if is_driven else ()),
+        *((Stage.MOTION,) if effects.dynamics else ()),
+        *((Stage.COUPLING,) if is_driven and effects.dynamics and effects.coupling else ()),
+    )
 
 
 def make_lower_loop(
@@ -50,15 +58,16 @@ class Frames:
     # places of their own: which attributes there are depends on the scene, and after some thirty scenes of other kinds Python
     # would keep those of this one in a dictionary
     __slots__ = (
-        "_counted", "_job", "clock", "driven", "effects", "given", "is_lost", "lower", "moves", "output", "passed", "record",
-        "target", "time", "upper", "world",
+        "_counted", "_job", "_other_method", "_outcome", "clock", "driven", "effects", "given", "is_lost", "in_one_call", "lower",
+        "moves", "output", "passed", "record", "stages", "target", "time", "upper", "world",
     )
-    ASSIGNED: ClassVar[tuple[str, ...]] = ("time", "passed", "is_lost")
-    WRITTEN: ClassVar[tuple[str, ...]] = ("given",)
+    ASSIGNED: ClassVar[tuple[str, ...]] = ("time", "passed", "is_lost", "_outcome")
+    WRITTEN: ClassVar[tuple[str, ...]] = ("given", "_job")
 
     def __init__(self, world: World, method: str, chosen: Chosen, seed: int, *, record: bool, time_stages: bool) -> None:
-        self.world, self.effects, self.clock = world, world.scene.effects, StageClock(time_stages)
+        self.world, self.effects, self.clock = world, world.scene.effects, FrameClock(time_stages)
         self.time, self.driven, self.record = 0.0, bool(world.scene.avatars), record
+        self.stages = stages_of(self.effects, self.driven)
         self.passed: tuple[Snapshot, ...] = ()
         self.is_lost = False
         self.moves = any(avatar.moves for avatar in world.scene.avatars)
@@ -75,72 +84,78 @@ class Frames:
             self.lower.watch(moving)
         self._counted = (*self.lower.counts(), *self.upper.counts()) if self.driven and self.effects.dynamics else ()
         self.output = Output(world)
-        self._job = self._as_job(moving) if not (record or time_stages) else None
+        lower = self.lower if self.driven else None
+        self._other_method = None if isinstance(lower, IkLoop) else lower
+        self.in_one_call = not (record or time_stages or self._other_method)
+        self._job = make_job(
+            world, self.target if self.driven else None, lower if isinstance(lower, IkLoop) else None,
+            self.upper if self.effects.dynamics else None, self.output, moving, self.stages,
+        )
+        self._outcome: Sequence[int] = DONE, 0, 1
 
-    def _as_job(self, moving: Index) -> Index | None:
-        """Return the row of this world for `batch`; None where its method has no kernel for whole frames."""
-        upper = self.upper if self.effects.dynamics else None
-        if not self.driven:
-            return job_of(self.world, None, None, upper, self.output, moving)
-        if not isinstance(self.lower, IkLoop):
-            return None
-        return job_of(self.world, self.target, self.lower, upper, self.output, moving)
-
-    def _read(self, sample: TrackerSample | None) -> None:
-        """Read a sample; where tracking is lost the last one stays."""
-        if sample is not None:
-            self.target.read(sample)
-            if self.moves:
-                self._keep(sample)
-        if isinstance(self.lower, IkLoop):
-            self.lower.note_tracking(self.is_lost, self.target)
-
-    def begin(self, sample: TrackerSample | None) -> Index | None:
-        """Begin a frame that `batch` will pass, and return its row; None, and nothing is begun, where a frame has to be passed
-        stage by stage: another method than `default`, a recording, stages that are timed. InvalidSample as in `frame`."""
-        if self._job is None:
-            return None
-        # nothing is timed here, so the clock has nothing to forget
+    def begin(self, sample: TrackerSample | None) -> Index:
+        """Begin a frame: read the sample, or keep the last one where tracking is lost. Return its job (COLUMNS), for
+        `pass_frames` if `in_one_call`. Raises InvalidSample for a sample that does not fit the avatars."""
+        self.clock.begin()
         self.passed = ()
         if self.driven:
-            self._read(sample)
+            if sample is not None:
+                self.target.read(sample)
+                if self.moves:
+                    self._keep(sample)
             if isinstance(self.lower, IkLoop):
+                self.lower.note_tracking(self.is_lost, self.target)
                 self._job[MOVING + 1] = len(self.lower.begin())
         return self._job
 
-    def end(self, dt: float, status: int) -> None:
-        """Finish that frame once it was passed: its time, the upper loop's status, and the calls of its stages."""
-        stages = self.clock.stages
-        if self.driven:
-            stages["posture"].calls += 1
-        if self.effects.dynamics:
-            self.upper.status = status
-            stages["motion"].calls += 1
-            if self.effects.coupling and self.driven:
-                stages["coupling"].calls += 1
+    def end(self, dt: float, outcome: Sequence[int]) -> None:
+        """Finish a frame that `pass_frames` has passed; `outcome` is what that wrote into its job, from column STATUS on."""
+        self._outcome = outcome
+        for stage in self.stages:
+            self.clock.stages[stage].calls += 1
         self.time += dt
 
     def frame(self, sample: TrackerSample | None, dt: float) -> None:
-        """Pass `dt` seconds: driven bodies, then simulated ones. Changes here need the same ones in `batch.advance_worlds`."""
-        self.clock.frame()
-        self.passed = ()
-        if self.driven:
-            self._read(sample)
-            with self.clock.stage("posture"):
-                self.lower.follow(self.target, dt)
+        """Pass `dt` seconds: driven bodies, then simulated ones."""
+        self.begin(sample)
+        for stage in self.stages:
+            with self.clock.stages[stage]:
+                self._pass(stage, dt)
             if self.record:
-                self.passed += self.lower.passed(self.time)
-        if self.effects.dynamics:
-            with self.clock.stage("motion"):
-                self.upper.advance(dt)
-            if self.record:
-                self.passed += self.upper.inside(self.time)
-            if self.effects.coupling and self.driven:
-                with self.clock.stage("coupling"):
-                    self.lower.receive(self.upper.memory.received, self.upper.memory.moving, self.target)
-                if self.record:
-                    self.passed += self.lower.passed(self.time + dt)
+                self.passed += self._recorded(stage, dt)
         self.time += dt
+        self.show()
+
+    def _pass(self, stage: Stage, dt: float) -> None:
+        """Pass one stage."""
+        if self._other_method is None or stage is Stage.MOTION:
+            STAGE_KERNELS[stage](self._job, dt)
+        elif stage is Stage.POSTURE:
+            self._other_method.follow(self.target, dt)
+        else:
+            self._other_method.receive(self.upper.memory.received)
+
+    def _recorded(self, stage: Stage, dt: float) -> tuple[Snapshot, ...]:
+        """Return the states within a stage that was passed, of a frame that is recorded."""
+        if stage is Stage.MOTION:
+            return self.upper.inside(self.time)
+        return self.lower.passed(self.time if stage is Stage.POSTURE else self.time + dt)
+
+    def show(self) -> None:
+        """Write the shown state."""
+        pass_shown(self._job)
+        self._outcome = self._job[STATUS:].tolist()
+
+    def show_placed(self) -> None:
+        """Write the shown poses of all bodies, also of those that never move by themselves, since some were put elsewhere."""
+        written = self.output.shown
+        written.positions[...], written.orientations[...] = shown_poses(self.world)
+
+    def shown(self) -> Shown:
+        """Return the shown state, as last written. AvatarsimError if a number of it is not finite."""
+        if not self._outcome[FINITE - STATUS]:
+            raise AvatarsimError(NOT_FINITE_POSE)
+        return self.output.shown
 
     def _keep(self, sample: TrackerSample) -> None:
         """Keep a sample, for moving bodies whose pose is not given in the next frame."""
@@ -167,10 +182,13 @@ class Frames:
 
     def statuses(self) -> dict[str, int]:
         """Return counts of failures in the last frame, by name."""
+        status, has_status, _ = self._outcome
+        if not (status or has_status or self.moves or self.is_lost or self.record or self._other_method):
+            return {}
         statuses = self.lower.statuses() if self.driven else {}
         if self.is_lost and self.driven:
             statuses["tracking_lost"] = sum(not avatar.moves for avatar in self.world.scene.avatars)
-        return statuses | self.upper.statuses() if self.effects.dynamics else statuses
+        return statuses | self.upper.statuses(status) if self.effects.dynamics else statuses
 
     def kept(self) -> GivenSample:
         """Return the last given poses of moving bodies; those of other parts are theirs."""
@@ -187,4 +205,4 @@ class Frames:
     def parts(self) -> tuple[Part, ...]:
         """Return all that takes part in a frame."""
         loops = (*((self.target, self.lower) if self.driven else ()), *((self.upper,) if self.effects.dynamics else ()))
-        return self, self.world, *loops, *self.clock.stages.values()
+        return self, self.world, self.output, *loops, *self.clock.stages

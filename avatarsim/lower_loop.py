@@ -47,9 +47,9 @@ from avatarsim.ik.state import (
 from avatarsim.ik.target import clip_to_limits, copy_posture, largest
 from avatarsim.jit.arena import pack, view_arena
 from avatarsim.jit.kept import FLAG, NOT_KEPT
-from avatarsim.jit.kernel import entry_kernel
+from avatarsim.jit.kernel import entry_kernel, kernel
 from avatarsim.jit.layout import Array, Index, IndexLine
-from avatarsim.model.skeleton import carry, forward
+from avatarsim.model.skeleton import Posture, carry, forward
 from avatarsim.model.world import Target, TargetParts, World, WorldParts
 from avatarsim.planner.follow_path import aim_along_paths
 from avatarsim.planner.state import Ghost, Plan, make_planner, plan_is_sound
@@ -65,7 +65,8 @@ STEPS_KEPT = 64
 
 TRACK = int(Mode.TRACK)
 
-NOTHING_RECEIVED, NOT_KNOWN = np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
+NOT_KNOWN = np.zeros(0, dtype=np.int64)
+"""Flags of bodies that may have moved, where that is not known."""
 
 
 class IkParts(NamedTuple):
@@ -82,35 +83,11 @@ class IkParts(NamedTuple):
     ghost: Annotated[Ghost, NOT_KEPT]
 
 
-@entry_kernel
-def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, received: Array, moving: Index) -> None:
-    """Run one stage of the lower loop on the arenas of a world, its target and the memory of the loop.
-
-    Unless `answers`: velocities of links and the avatars under load for dt [s], then `solve`. With `answers`, after the upper
-    loop: links receive impulses (nb, 3) [N s], and `solve` continues within the frame's motion budget, since bodies that blocked
-    links may have moved. `moving` (nb): 1 for bodies that may have moved; empty if that is not known. Both in one
-    kernel, since each kernel that calls `solve` compiles all of it.
-    """
-    w, own, tracker = view_arena(world, WorldParts), view_arena(kept, IkParts), view_arena(target, TargetParts).posture
-    geometry, skeleton, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
-    rig, trackers, settings = Rig(geometry, skeleton, own.avatars), own.trackers, own.settings
-    state, working, plan, ghost = own.state, own.working, own.plan, own.ghost
-    if answers:
-        if own.coupled:
-            receive(skeleton, w.dynamics.drive, received)
-            return_coupled(rig, w.dynamics, poses, posture, tracker, state, working)
-        if not moving.any() or state.contacts.used[0] == 0:
-            return
-        dt = 0.0
-    elif trackers.turn[0] >= 0:
-        track_velocities(skeleton, tracker, dt, w.velocities, trackers)
-        if own.coupled:
-            note_blocked(geometry, w.dynamics, state.contacts)
-            relax(skeleton, w.dynamics.drive, dt, tracker, w.velocities)
-            project_velocities(geometry, w.dynamics, state.contacts, w.velocities)
-            before, now = last_and_now(trackers)
-            load_moving(skeleton, w.dynamics, poses, before, now, dt, 2.0 * settings.stand_off)
-            exclude_coupled(rig, w.dynamics, before, now, posture, dt, tracker, w.velocities)
+@kernel
+def solve_postures(w: WorldParts, own: IkParts, tracker: Posture, dt: float, moving: Index) -> None:
+    """Solve for the postures of a frame of dt [s], or, with 0, go on within it: within its motion budget."""
+    rig, settings, state, working = Rig(w.geometry, w.skeleton, own.avatars), own.settings, own.state, own.working
+    posture, poses, plan, ghost = w.posture, w.poses, own.plan, own.ghost
     begin_frame(rig, settings, tracker, dt, moving, posture, poses, state, working)
     freeze_coupled(rig, w.dynamics, state)
     if dt > 0.0:
@@ -119,6 +96,41 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
     solve(rig, settings, posture, poses, state, working)
     if dt > 0.0:
         supervise(rig, settings, tracker, dt, posture, poses, plan, ghost, state, working)
+
+
+@kernel
+def step_avatars(world: Index, target: Index, kept: Index, dt: float, moving: Index) -> None:
+    """Follow the tracker's posture for a frame of dt [s]: velocities of links, avatars under load, then the postures.
+
+    The arenas are those of a world, its target and its lower loop. `moving` (nb): 1 for bodies that may have moved; empty if
+    that is not known.
+    """
+    w, own, tracker = view_arena(world, WorldParts), view_arena(kept, IkParts), view_arena(target, TargetParts).posture
+    geometry, skeleton, posture, trackers, state = w.geometry, w.skeleton, w.posture, own.trackers, own.state
+    rig = Rig(geometry, skeleton, own.avatars)
+    if trackers.turn[0] >= 0:
+        track_velocities(skeleton, tracker, dt, w.velocities, trackers)
+        if own.coupled:
+            note_blocked(geometry, w.dynamics, state.contacts)
+            relax(skeleton, w.dynamics.drive, dt, tracker, w.velocities)
+            project_velocities(geometry, w.dynamics, state.contacts, w.velocities)
+            before, now = last_and_now(trackers)
+            load_moving(skeleton, w.dynamics, w.poses, before, now, dt, 2.0 * own.settings.stand_off)
+            exclude_coupled(rig, w.dynamics, before, now, posture, dt, tracker, w.velocities)
+    solve_postures(w, own, tracker, dt, moving)
+
+
+@kernel
+def resume_after_contacts(world: Index, target: Index, kept: Index, received: Array, moving: Index) -> None:
+    """Resume the postures after the upper loop: links receive impulses (nb, 3) [N s], and those that were blocked by bodies
+    that are `moving` (nb) now go on."""
+    w, own, tracker = view_arena(world, WorldParts), view_arena(kept, IkParts), view_arena(target, TargetParts).posture
+    if own.coupled:
+        rig = Rig(w.geometry, w.skeleton, own.avatars)
+        receive(w.skeleton, w.dynamics.drive, received)
+        return_coupled(rig, w.dynamics, w.poses, w.posture, tracker, own.state, own.working)
+    if moving.any() and own.state.contacts.used[0] > 0:
+        solve_postures(w, own, tracker, 0.0, moving)
 
 
 @entry_kernel
@@ -211,12 +223,8 @@ class IkLoop:
         """Multiply the weight of each link's origin (links,) in the objective, in place of earlier factors."""
         self.avatars.link_weight[:] = self._link_weight * factors
 
-    def follow(self, target: Target, dt: float) -> None:
-        """Follow the tracker's posture for one frame."""
-        track(self.world.words, target.words, self.words, dt, False, NOTHING_RECEIVED, self.begin())
-
     def begin(self) -> Index:
-        """Begin a frame; return flags (nb) of bodies that may have moved since the last one, as `track` takes them."""
+        """Begin a frame; return flags (nb) of bodies that may have moved since the last one, as `step_avatars` takes them."""
         known, self._told = self._known, 0
         # the first frame checks all bodies
         self._known = self._moving
@@ -265,10 +273,6 @@ class IkLoop:
         """Check all bodies in the next frame, since fixed ones were put elsewhere."""
         self._known = NOT_KNOWN
 
-    def receive(self, impulses: Array, moving: Index, target: Target) -> None:
-        """Pass impulses (nb, 3) [N s] to the coupling; a driven body stopped by a body that is `moving` (nb) now continues."""
-        track(self.world.words, target.words, self.words, 0.0, True, impulses, moving)
-
     def passed(self, time: float) -> tuple[Snapshot, ...]:
         """Return the states after the steps of this frame that were taken since the last call, at `time` [s], if the frame is
         recorded: links as they were left then, all else as it is now."""
@@ -316,7 +320,7 @@ class TrackedLoop:
             np.copyto(mine, theirs)
         forward(world.geometry, world.skeleton, world.posture, self._still, world.poses, self._axes)
 
-    def receive(self, impulses: Array, moving: Index, target: Target) -> None:
+    def receive(self, impulses: Array) -> None:
         """Ignore impulses (nb, 3) [N s]: the tracker does not yield."""
 
     def passed(self, time: float) -> tuple[Snapshot, ...]:

@@ -1,7 +1,7 @@
 """Many worlds a frame further in one call, on several threads: data parallelism over independent simulations.
 
 Python reads the samples of a portion of the worlds, one kernel call passes their frames without Python's global lock
-(`batch`), and Python makes their records. Meanwhile another thread does the same with another portion: as long as kernels
+(`stages`), and Python makes their records. Meanwhile another thread does the same with another portion: as long as kernels
 take longer than Python, two threads are nearly twice as fast as one. Which thread passes a world changes no bit of it.
 """
 
@@ -13,7 +13,6 @@ from typing import TypeVar
 
 import numpy as np
 
-from avatarsim.batch import COLUMNS, STATUS, advance_together
 from avatarsim.engine import FrameRecord
 from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, WorldsFailed
 from avatarsim.frame import Frames
@@ -22,6 +21,7 @@ from avatarsim.scene.checks import as_number
 from avatarsim.scene.moving import Pose
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine, frame_time
+from avatarsim.stages import COLUMNS, STATUS, pass_frames
 
 T = TypeVar("T")
 
@@ -158,12 +158,11 @@ class _Call:
                     frames, sample = engine._running(), self.samples[place]
                     if frames.moves or self.moving or sample is None or frames.is_lost:
                         sample = frames.completed(sample, (self.moving[place] if self.moving else None) or {})
-                    job = frames.begin(sample)
-                    if job is None:
-                        self.records[place] = engine._advance(sample, self.dt)
-                    else:
-                        jobs[len(begun)] = job
+                    if frames.in_one_call:
+                        jobs[len(begun)] = frames.begin(sample)
                         begun.append((place, engine, frames))
+                    else:
+                        self.records[place] = engine._advance(sample, self.dt)
                 except AvatarsimError as error:
                     self.errors[place] = error
             if begun:
@@ -174,11 +173,10 @@ class _Call:
 
     def _pass(self, begun: list[tuple[int, AvatarsimEngine, Frames]], jobs: Index) -> None:
         """Pass the frames of worlds that have begun them, and make their records."""
-        advance_together(jobs, self.dt)
-        for (place, engine, frames), (status, said, finite) in zip(begun, jobs[:, STATUS:].tolist(), strict=True):
+        pass_frames(jobs, self.dt)
+        for (place, engine, frames), outcome in zip(begun, jobs[:, STATUS:].tolist(), strict=True):
             try:
-                frames.end(self.dt, status)
-                statuses = frames.statuses() if said or status or frames.moves or frames.is_lost else {}
-                self.records[place] = engine._record(frames.counts(), statuses, (), frames.output.shown if finite else None)
+                frames.end(self.dt, outcome)
+                self.records[place] = engine._record(frames.counts(), frames.statuses(), ())
             except AvatarsimError as error:
                 self.errors[place] = error

@@ -13,7 +13,6 @@ from typing import NoReturn, Self, SupportsIndex
 import numpy as np
 
 from avatarsim.attaching import attach, attach_at_start, attached, gripped, release, require_sound
-from avatarsim.batch import Shown
 from avatarsim.contact_forces import contacts_with_forces, felt
 from avatarsim.engine import FrameRecord, Moved, Settings, Snapshot
 from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSnapshot, NotCopied, UnknownName
@@ -21,7 +20,7 @@ from avatarsim.frame import Frames
 from avatarsim.free_start import move_apart
 from avatarsim.jit.linking import CalledKernel
 from avatarsim.lower_loop import IkLoop
-from avatarsim.model.world import Array, build, shown_again, shown_poses, shown_sample
+from avatarsim.model.world import Array, build, shown_sample
 from avatarsim.options import METHOD_SETTINGS, choose
 from avatarsim.placing import place_bodies, put_avatars, weigh_links
 from avatarsim.pose_queries import Contact, contacts_of, require_free, require_within_limits
@@ -43,10 +42,6 @@ METHODS_SAID = {
     "paper": "equations 1 to 10 and Algorithm 1 as printed, with what makes them well-defined",
 }
 """Description of each preset, shown next to its settings."""
-
-NOWHERE = np.zeros((0, 3))
-"""Record that is shown before a scene is loaded."""
-
 
 def at_rest(velocities: Array) -> Array:
     """Return velocities of a scene without simulated bodies, all zero: shared by all its records, and therefore read-only."""
@@ -91,7 +86,6 @@ class AvatarsimEngine:
     def __init__(self) -> None:
         self._frames: Frames | None = None
         self._settings, self._chosen = Settings(), Chosen()
-        self._placed_poses: tuple[Array, Array] = NOWHERE, NOWHERE
         self._still: tuple[Array, Array] | None = None
         self._identity: Identity | None = None
         self._dt = 0.0
@@ -271,9 +265,7 @@ class AvatarsimEngine:
             # an argument that is no sample may count as false
             user = sample if user is None else user
             moved = put_avatars(self._running(), sample, user, bodies or {}, self._settings.start == "exact")
-            if bodies:
-                self._placed_poses = shown_poses(self._running().world)
-            return self._record({}, {}, (), moved=moved)
+            return self._between(moved)
 
     def place(self, poses: Mapping[str, Pose]) -> FrameRecord:
         """Put fixed bodies elsewhere between two frames, `{"box": (position, orientation)}`; return the state shown there.
@@ -286,8 +278,7 @@ class AvatarsimEngine:
         """
         with self._alone():
             place_bodies(self._running(), poses)
-            self._placed_poses = shown_poses(self._running().world)
-            return self._record({}, {}, ())
+            return self._between()
 
     def weigh_links(self, factors: Array) -> None:
         """Multiply weights of link origins (links,) in the objective of the posture from now on, 1 at first; no snapshot has
@@ -323,7 +314,7 @@ class AvatarsimEngine:
                 if frames.driven and isinstance(frames.lower, IkLoop):
                     require_within_limits(frames.world, NOTHING)
                     require_free(frames.world, inf)
-                return self._record({}, {}, ())
+                return self._between()
             except AvatarsimError as error:
                 for field, array in zip(kept, before, strict=True):
                     field.array[...] = array
@@ -354,11 +345,10 @@ class AvatarsimEngine:
             frames.lower.stand(frames.target)
         attach_at_start(frames, old.world if old else None)
         self._settings, self._chosen, self._frames, self._dt, self._identity = settings, chosen, frames, float(dt), None
-        self._placed_poses = shown_poses(world)
         v, moves = world.velocities, world.scene.effects.dynamics or world.scene.effects.coupling
         self._still = None if moves else (at_rest(v.linear), at_rest(v.angular))
         self._rehearse(frames, scene.first_sample, dt)
-        return self._record({}, {}, (), moved=moved)
+        return self._between(moved)
 
     def advance(self, sample: TrackerSample | None, dt: float, moving: Mapping[str, Pose] | None = None) -> FrameRecord:
         """Advance one rendered frame of `dt` [s], above 0 and at most 1: follow `sample`, move loose bodies, return the state.
@@ -450,24 +440,22 @@ class AvatarsimEngine:
             raise AvatarsimError("no scene is loaded: call load(scene, settings, dt) first")
         return self._frames
 
+    def _between(self, moved: tuple[Moved, ...] = ()) -> FrameRecord:
+        """Return the record of a state that no frame led to."""
+        self._running().show()
+        return self._record({}, {"moved_at_start": len(moved)} if moved else {}, (), moved)
+
     def _record(
-        self, counts: Mapping[str, int], statuses: Mapping[str, int], inside: tuple[Snapshot, ...], written: Shown | None = None,
-        moved: tuple[Moved, ...] = (),
+        self, counts: Mapping[str, int], statuses: Mapping[str, int], inside: tuple[Snapshot, ...], moved: tuple[Moved, ...] = (),
     ) -> FrameRecord:
         frames = self._running()
-        world = frames.world
-        if written is None:
-            # without simulated bodies only links move, and of velocities there are none
-            position, orientation = shown_again(world, self._placed_poses, world.skeleton.first if self._still else 0)
-            angles = world.posture.angle[world.hinges]
-        else:
-            position, orientation, angles = written.positions.copy(), written.orientations.copy(), written.angles.copy()
-        linear, angular = self._still or (world.velocities.linear.copy(), world.velocities.angular.copy())
+        velocities, written = frames.world.velocities, frames.shown()
+        position, orientation, angles = written.positions.copy(), written.orientations.copy(), written.angles.copy()
+        linear, angular = self._still or (velocities.linear.copy(), velocities.angular.copy())
         shown = Snapshot(frames.time, position, orientation, linear, angular)
         # the state at the end is itself the frame's last sub-step; before it are the steps and events of the loops
         if inside and inside[-1].event == "step" and same_poses(inside[-1], shown):
             # nothing has moved since the last step
             inside = inside[:-1]
         steps = (*inside, shown) if self._settings.record_inside else ()
-        statuses = {"moved_at_start": len(moved)} if moved else statuses
         return FrameRecord(shown, angles, counts, statuses, frames.clock.ns, steps, moved)

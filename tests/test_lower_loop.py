@@ -5,7 +5,7 @@ import pytest
 
 from avatarsim.ik.solve import begin_frame, solve
 from avatarsim.ik.state import Rig
-from avatarsim.lower_loop import NOT_KNOWN, IkLoop
+from avatarsim.lower_loop import NOT_KNOWN, IkLoop, step_avatars
 from avatarsim.model.world import Target, build, posture_of
 from avatarsim.planner.follow_path import aim_along_paths
 from avatarsim.planner.state import make_planner
@@ -28,7 +28,7 @@ def test_frames_through_arenas_are_the_same_to_the_last_bit(name: str) -> None:
     )
     for sample in drawn(scene, 11, 40):
         target.read(sample)
-        lower.follow(target, 1.0 / 60.0)
+        step_avatars(world.words, target.words, lower.words, 1.0 / 60.0, lower.begin())
         tracker, dt = posture_of(w.skeleton, w.hinges, sample), 1.0 / 60.0
         geo, skel, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
         avatars, state, working = apart.avatars, apart.state, apart.working

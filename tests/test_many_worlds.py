@@ -103,6 +103,15 @@ def test_worlds_go_on_together_from_wherever_they_were_put(name: str) -> None:
         turn(together), turn(alone)
 
 
+def test_bodies_put_elsewhere_are_shown_there() -> None:
+    together, alone = hands(2)
+    for height in (0.7, 0.9):
+        for engine in (together, alone):
+            engine.place({"panel": ((0.5, 0.0, height), (1.0, 0.0, 0.0, 0.0))})
+        (record,) = advance_many([together], [HOME], DT)
+        assert same(record, alone.advance(HOME, DT)) and record.shown.positions[0, 2] == height
+
+
 def hands(count: int) -> list[AvatarsimEngine]:
     """So many worlds with one hand, loaded."""
     return [loaded(SCENES["hand"]) for _ in range(count)]

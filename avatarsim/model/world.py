@@ -140,17 +140,16 @@ def build(scene: Scene) -> World:
     return World(scene, words, geo, skel, masses, placed, speeds, posture, centres, hinges)
 
 
+NOT_FINITE_POSE = "a pose of the engine's own is not finite: this is a defect, please report it with the scene"
+"""Message of the error for a state that cannot be shown."""
+
+
 def shown_poses(world: World) -> tuple[Array, Array]:
-    """Return positions (n, 3) and orientations (n, 4) of body frames now."""
+    """Return positions (n, 3) and orientations (n, 4) of body frames now. Raises AvatarsimError if a number is not finite."""
     n = len(world.centres)
-    return shown_again(world, (np.empty((n, 3)), np.empty((n, 4))), 0)
-
-
-def shown_again(world: World, before: tuple[Array, Array], first: int) -> tuple[Array, Array]:
-    """Return `shown_poses`, with the entries of `before` for bodies below `first`, which have not moved: most are furniture."""
-    position, orientation = before[0].copy(), before[1].copy()
-    if not write_shown(world.poses.position, world.poses.rotation, world.centres, first, position, orientation):
-        raise AvatarsimError("a pose of the engine's own is not finite: this is a defect, please report it with the scene")
+    position, orientation = np.empty((n, 3)), np.empty((n, 4))
+    if not write_shown(world.poses.position, world.poses.rotation, world.centres, 0, position, orientation):
+        raise AvatarsimError(NOT_FINITE_POSE)
     return position, orientation
 
 

@@ -87,7 +87,7 @@ class PaperLoop:
         if world.scene.effects.dynamics:
             tracked_velocities(world.skeleton, self._before, world.poses, dt, world.velocities)
 
-    def receive(self, impulses: Array, moving: Index, target: Target) -> None:
+    def receive(self, impulses: Array) -> None:
         """Add impulses (nb, 3) [N s] on driven bodies to the velocities that eq. 6 continues from; nothing moves again."""
         give_to_roots(self.world.skeleton, impulses, self.world.dynamics.inverse_mass, self.memory.velocity)
 

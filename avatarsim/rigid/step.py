@@ -15,7 +15,7 @@ from avatarsim.counters import Tally
 from avatarsim.engine import Snapshot
 from avatarsim.jit.arena import pack, view_arena
 from avatarsim.jit.kept import NOT_KEPT
-from avatarsim.jit.kernel import entry_kernel, kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Index
 from avatarsim.model.dynamics import Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses, place
@@ -111,7 +111,7 @@ class UpperParts(NamedTuple):
     switches: Switches
 
 
-@entry_kernel
+@kernel
 def advance_opened(world: Index, kept: Index, dt: float) -> int:
     """Run `advance` on the arenas of a world and of its upper loop."""
     w, own = view_arena(world, WorldParts), view_arena(kept, UpperParts)
@@ -121,11 +121,11 @@ def advance_opened(world: Index, kept: Index, dt: float) -> int:
 class SimulatedLoop:
     """The simulated bodies of a world, and driven ones that keep `stand_off` [m] from them."""
 
-    ASSIGNED: ClassVar[tuple[str, ...]] = ("status",)
+    ASSIGNED: ClassVar[tuple[str, ...]] = ()
     WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
 
     def __init__(self, world: World, *, paper: bool, record: bool, stand_off: float = 0.0) -> None:
-        self.world, self.record, self.status = world, record, DONE
+        self.world, self.record = world, record
         on = world.scene.effects
         switches = Switches(on.gyroscopic, on.continuous, on.sleeping, paper, record)
         memory = make_memory(world.geometry, world.dynamics, world.poses, on.gyroscopic, stand_off)
@@ -141,17 +141,13 @@ class SimulatedLoop:
     def go_on(self) -> None:
         """Continue after the memory was replaced; the broad phase finds by itself that its fat boxes no longer hold."""
 
-    def advance(self, dt: float) -> None:
-        """Pass `dt` seconds."""
-        self.status = advance_opened(self.world.words, self.words, dt)
-
     def counts(self) -> Tally:
         """Return the work done in the last frame."""
         return Tally(COUNT_NAMES, self.memory.counts.tobytes())
 
-    def statuses(self) -> dict[str, int]:
-        """Return counts of failures in the last frame, by name."""
-        found = {} if self.status == DONE else {f"motion {STATUS_NAMES[self.status]}": 1}
+    def statuses(self, status: int) -> dict[str, int]:
+        """Return counts of failures in the last frame, by name; `advance` returned `status`."""
+        found = {} if status == DONE else {f"motion {STATUS_NAMES[status]}": 1}
         drive, moving = self.world.drive, self._moving
         if len(moving) and (blocked := int((drive.blocked[moving] | drive.blocked_turn[moving]).sum())) > 0:
             found["blocked"] = blocked

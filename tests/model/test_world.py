@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from avatarsim.errors import AvatarsimError
-from avatarsim.model.world import build, posture_of, sample_arrays, shown_again, shown_poses
+from avatarsim.model.world import build, posture_of, sample_arrays, shown_poses
 from avatarsim.scene.body import simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
@@ -63,22 +63,6 @@ def test_a_pose_that_is_not_finite_is_never_shown() -> None:
     world.poses.position[0, 0] = np.nan
     with pytest.raises(AvatarsimError, match="not finite"):
         shown_poses(world)
-
-
-def test_who_has_not_moved_is_shown_as_before_and_arrays_are_new() -> None:
-    world = build(Scene("s", (*walls(), CRATE), (AVATAR,), start=random_sample((AVATAR,), 0)))
-    first, before = world.skeleton.first, shown_poses(world)
-    world.poses.position[:] += 1.0
-    again = shown_again(world, before, first)
-    for old, new, whole in zip(before, again, shown_poses(world), strict=True):
-        assert (new[:first] == old[:first]).all() and (new[first:] == whole[first:]).all()
-        assert not np.shares_memory(old, new)
-    assert (again[0][first:] == before[0][first:] + 1.0).all()
-    world.poses.rotation[0] = np.nan
-    shown_again(world, before, first)
-    world.poses.rotation[first] = np.nan
-    with pytest.raises(AvatarsimError, match="not finite"):
-        shown_again(world, before, first)
 
 
 def test_worlds_of_one_scene_share_nothing_that_is_written() -> None:

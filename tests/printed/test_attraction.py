@@ -195,7 +195,7 @@ def test_an_impulse_moves_the_hand_and_the_spring_returns_it():
     loop.follow(target(loop, 0.0), DT)
     impulses = np.zeros((2, 3))
     impulses[1] = (0.0, -0.2, 0.0)
-    loop.receive(impulses, np.zeros(2, dtype=np.int64), target(loop, 0.0))
+    loop.receive(impulses)
     # eq. 6, critically damped with 0.4 kg: y = v t e^(-50 t), v = -0.2 / 0.4
     for frame in range(1, 10):
         loop.follow(target(loop, 0.0), DT)
