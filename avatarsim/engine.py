@@ -199,3 +199,18 @@ def require_shapes(scene: Scene, kinds: tuple[type, ...]) -> None:
         for piece in of_body:
             if not isinstance(piece.shape, kinds):
                 raise UnsupportedShape(name, piece.shape, " or ".join(kind.__name__ for kind in kinds))
+
+
+def require_record(record: object, names: tuple[str, ...], when: str) -> FrameRecord:
+    """Return the record of an engine, of a scene with these names of bodies and links. Raises InvalidInput for wrong types and
+    shapes, with `when` the engine returned it; numbers are not checked."""
+    for thing, kind in ((record, FrameRecord), (getattr(record, "shown", None), Snapshot)):
+        if not isinstance(thing, kind):
+            raise InvalidInput(f"type of the record {when}", type(thing).__name__, f"avatarsim.{kind.__name__}")
+    assert isinstance(record, FrameRecord)
+    for name, width in {"positions": 3, "orientations": 4, "velocities": 3, "angular_velocities": 3}.items():
+        array = getattr(record.shown, name)
+        if not isinstance(array, np.ndarray) or array.shape != (len(names), width):
+            valid = f"an array of shape ({len(names)}, {width}), bodies first, then links"
+            raise InvalidInput(f"{name} {when}", getattr(array, "shape", type(array).__name__), valid)
+    return record

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.engine import Engine, FrameRecord, Settings
+from avatarsim.engine import Engine, FrameRecord, Settings, require_record
 from avatarsim.errors import AvatarsimError, InvalidInput, MissingPackage, UnsupportedScene, described
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import Body, fixed, simulated, solid
@@ -156,16 +156,15 @@ def _protocol(engine: object) -> Iterator[Finding]:
 
 def _record_faults(run: Run) -> Iterator[str]:
     """Yield the first fault of shapes, numbers, quaternions and times of records."""
-    n, hinges = len(run.scene.names), sum(avatar.hinge_count for avatar in run.scene.avatars)
+    hinges = sum(avatar.hinge_count for avatar in run.scene.avatars)
     for k, record in enumerate(run.records):
-        shown = record.shown
-        arrays = {"positions": 3, "orientations": 4, "velocities": 3, "angular_velocities": 3}
-        for name, width in arrays.items():
-            array = getattr(shown, name)
-            if not isinstance(array, np.ndarray) or array.shape != (n, width):
-                yield f"{name} of frame {k} have the shape {np.shape(array)}; valid: ({n}, {width}), bodies first, then links"
-                return
-            if not np.isfinite(array).all():
+        try:
+            shown = require_record(record, run.scene.names, f"of frame {k}").shown
+        except InvalidInput as error:
+            yield str(error)
+            return
+        for name in ("positions", "orientations", "velocities", "angular_velocities"):
+            if not np.isfinite(getattr(shown, name)).all():
                 yield f"{name} of frame {k} are not all finite"
                 return
         length = np.linalg.norm(shown.orientations, axis=1)

@@ -1,7 +1,7 @@
 """Facts on engines: one `reference/*/about.toml` each, or one in the package of an engine that joins by an entry point."""
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache
@@ -15,7 +15,7 @@ from typing import Annotated, Literal
 from avatarsim.errors import InvalidFile
 from runfiles.metrics import METRICS
 from runfiles.naming import GATED
-from runfiles.typed_toml import read
+from runfiles.typed_toml import NOT_IN_FILE, read
 
 FOLDER = Path(__file__).parent.parent / "reference"
 FILE = "about.toml"
@@ -116,7 +116,7 @@ class About:
     loads: str = ""
     unlike: tuple[str, ...] = ()
     issues: tuple[Issue, ...] = ()
-    path: Path | None = None
+    path: Path | None = field(default=None, metadata=NOT_IN_FILE)
 
     def in_own_words(self, options: Mapping[str, object]) -> list[str]:
         """Return a line per option in the engine's own words, a comment for one that has none."""
@@ -140,11 +140,18 @@ def engines(folder: Path = FOLDER) -> Mapping[str, About]:
     """Return the engines in the folders of `folder`: the gated one first, baselines last. Raises InvalidFile."""
     listed = [_read(path) for path in sorted(folder.glob(f"*/{FILE}"))]
     listed.sort(key=lambda one: (one.name != GATED[0], one.baseline, one.name))
-    named = {one.name: one for one in listed}
-    for one in listed:
-        if named[one.name] is not one:
-            raise InvalidFile(f"name in {one.path}", one.name, f"a name that {named[one.name].path} does not have")
-    return MappingProxyType(named)
+    for k, one in enumerate(listed):
+        _distinct(one, listed[:k])
+    return MappingProxyType({one.name: one for one in listed})
+
+
+def _distinct(one: About, others: Iterable[About]) -> About:
+    """Return an engine whose name and colours no other has. Raises InvalidFile."""
+    for key in ("name", "colour", "dark"):
+        for other in others:
+            if getattr(one, key) == getattr(other, key):
+                raise InvalidFile(f"{key} in {one.path}", getattr(one, key), f"another {key} than in {other.path}")
+    return one
 
 
 def joined() -> Mapping[str, str]:
@@ -168,7 +175,7 @@ def _of_joined(name: str, path: tuple[str, ...]) -> About:
     adapter = _entries(path).get(name, "")
     for folder in _folders(adapter.partition(":")[0]):
         if (folder / FILE).is_file():
-            return _read(folder / FILE, name, adapter)
+            return _distinct(_read(folder / FILE, name, adapter), engines().values())
     return About(name, name, *SPARE[sum(map(ord, name)) % len(SPARE)], ("default",), adapter)
 
 

@@ -18,12 +18,16 @@ VALID: Mapping[object, str] = {
 """Valid values by annotation, or by its origin."""
 
 
+NOT_IN_FILE: Mapping[str, bool] = {"is_in_file": False}
+"""Metadata of a field that a file does not have."""
+
+
 def read(path: Path, kind: type[T]) -> T:
     """Return a file as a dataclass. Raises InvalidFile, which names the file, the key, the value and the valid range.
 
     Annotations are those of TOML's values: str, bool, int, tuple[X, ...] of a list, Mapping[str, X] and dataclasses of a table,
     enumerations by value, X | Y, and object of anything, a list as a tuple. Literal names all values; Annotated[X, valid] adds
-    a pattern of a text, or a collection of values."""
+    a pattern of a text, or a collection of values. A field made with NOT_IN_FILE is no key."""
     value: T = _value(path, kind, read_toml(path, str(path), "a readable TOML file"), "")
     return value
 
@@ -34,7 +38,7 @@ def _value(path: Path, kind: Any, value: object, key: str) -> Any:
         checked, valid = _value(path, inner[0], value, key), inner[1]
         if re.fullmatch(valid, checked) if isinstance(valid, str) else checked in valid:
             return checked
-        raise _invalid(path, key, value, f"a text like {valid}" if isinstance(valid, str) else _listed(valid))
+        raise _invalid(path, key, value, _valid(kind))
     if origin is UnionType:
         fitting = [one for one in inner if isinstance(value, get_origin(one) or one)]
         if fitting:
@@ -55,18 +59,27 @@ def _value(path: Path, kind: Any, value: object, key: str) -> Any:
         return tuple(value) if isinstance(value, list) else value
     elif type(value) is kind:
         return value
-    raise _invalid(path, key, value, VALID.get(origin or kind, "a table"))
+    raise _invalid(path, key, value, _valid(kind))
 
 
 def _record(path: Path, kind: Any, table: Mapping[str, object], place: str) -> Any:
-    hints = get_type_hints(kind, include_extras=True)
+    annotations, keys = get_type_hints(kind, include_extras=True), [one for one in fields(kind) if one.metadata != NOT_IN_FILE]
+    hints = {one.name: annotations[one.name] for one in keys}
     for name, value in table.items():
         if name not in hints:
             raise _invalid(path, f"{place}{name}", value, f"one of the keys {', '.join(hints)}")
-    for one in fields(kind):
+    for one in keys:
         if one.name not in table and one.default is MISSING and one.default_factory is MISSING:
-            raise _invalid(path, f"{place}{one.name}", None, VALID.get(hints[one.name], "present"))
+            raise _invalid(path, f"{place}{one.name}", "missing", _valid(hints[one.name]))
     return kind(**{name: _value(path, hints[name], value, f"{place}{name}") for name, value in table.items()})
+
+
+def _valid(kind: Any) -> str:
+    """Return the valid values of an annotation in words."""
+    origin, inner = get_origin(kind), get_args(kind)
+    if origin is Annotated:
+        return f"a text like {inner[1]}" if isinstance(inner[1], str) else _listed(inner[1])
+    return _listed(inner) if origin is Literal else VALID.get(origin or kind, "a table")
 
 
 def _listed(known: Collection[object]) -> str:

@@ -60,7 +60,7 @@ def _muted() -> Iterator[None]:
 
 def opened(name: str) -> Engine:
     """Return a fresh engine. Raises UnknownName, MissingPackage, ImportError for a missing module of the engine itself, and
-    InvalidInput for a class without all parts of an engine."""
+    InvalidInput for a class without all parts of an engine, InvalidFile for presets in its facts that it does not have."""
     one = about(name)
     if not one.adapter:
         raise UnknownName("engine", name, known())
@@ -77,6 +77,8 @@ def opened(name: str) -> Engine:
     if not isinstance(made, Engine):
         valid = "a class with every part of avatarsim.engine.Engine"
         raise InvalidInput(f"engine {name} ({one.adapter})", type(made).__name__, valid)
+    if one.path and (unknown := [preset for preset in one.presets if preset not in made.presets]):
+        raise InvalidFile(f"presets in {one.path}", unknown[0], f"presets of the adapter: {', '.join(made.presets)}")
     return made
 
 

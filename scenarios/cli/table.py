@@ -14,7 +14,7 @@ COLUMNS = {
 """Metric -> heading; lengths are shown in mm."""
 WORST: tuple[Status, ...] = ("fail", "crashed", "not-measured", "cannot-say", "refused", "waived", "pass", "info")
 """All statuses; a run has the first that one of its rows has."""
-NAMED = ("fail", "crashed", "not-measured", "waived")
+NAMED = ("fail", "crashed", "not-measured", "cannot-say", "waived")
 """Statuses of rows that have a line of their own."""
 
 
@@ -34,5 +34,7 @@ def table(rows: Sequence[Row]) -> str:
         if row.status in NAMED:
             value = "" if row.value is None else f" {row.value:.4g}"
             limit = "" if row.limit is None else f" (limit {row.limit:g})"
-            parts.append(f"{row.status}: {row.scenario} {row.run} {row.metric}{value}{limit} {row.note}".rstrip())
+            metric = "" if row.metric == "run" else f" {row.metric}"
+            note = f": {row.note}" if row.note else ""
+            parts.append(f"{row.status}: {row.scenario} {row.run}{metric}{value}{limit}{note}")
     return "\n".join(parts)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.engine import Engine, FrameRecord, Snapshot
+from avatarsim.engine import Engine, FrameRecord, Snapshot, require_record
 from avatarsim.errors import AvatarsimError, InvalidFile, MissingPackage, StartOverlaps, UnsupportedScene, described
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked, link_poses_each
@@ -121,7 +121,8 @@ def show(job: Job, prepared: Prepared, inside: bool = True, folder: Path | None 
             about |= {"version": engine.version, "unsupported": unsupported, "settings": {}}
             if "scene" in unsupported:
                 return Shown("cannot-say", [], about, unsupported["scene"])
-            frames.append(engine.load(scene, job.settings(engine, inside=inside), dt))
+            first = engine.load(scene, job.settings(engine, inside=inside), dt)
+            frames.append(require_record(first, scene.names, "of the load"))
             about |= {"settings": dict(engine.settings_as_run()), "unsupported": dict(engine.unsupported(scene))}
             keeps_steps = folder is not None and write_native(engine, folder, job, prepared.scenario.everyday)
             spent = list[float]()
@@ -129,8 +130,9 @@ def show(job: Job, prepared: Prepared, inside: bool = True, folder: Path | None 
                 if sum(spent) > latest:
                     return Shown("not-measured", frames, about, f"not through after {latest:g} s")
                 begun = perf_counter()
-                frames.append(engine.advance(sample, dt))
+                shown = engine.advance(sample, dt)
                 spent.append(perf_counter() - begun)
+                frames.append(require_record(shown, scene.names, "that it returned"))
             about[FRAME_SECONDS] = float(np.median(spent)) if spent else 0.0
             if folder is not None and keeps_steps:
                 write_steps(engine, folder, job)

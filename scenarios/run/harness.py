@@ -10,7 +10,7 @@ from pathlib import Path
 from avatarsim.errors import AvatarsimError, MissingPackage, described
 from avatarsim.running.cluster import lost_said
 from avatarsim.running.processes import Died, Workers
-from runfiles.engines import about
+from runfiles.engines import FILE, about
 from runfiles.naming import BASELINE, UNSEEN_PREFIX
 from runfiles.table import Row
 from scenarios.engines import opened
@@ -64,7 +64,8 @@ def offers(names: Sequence[str], workers: int) -> dict[str, Offer]:
     """Open engines, each in a process of its own: importing one may print, leak or crash. Raises InvalidFile."""
     for name in names:
         # a malformed file of facts ends a command before anything has run
-        about(name)
+        if about(name).path is None:
+            print(f"{name} has no {FILE}: its name is its label, and no unsupported features are known", file=sys.stderr)
     by_name = {}
     for name, answer in side_by_side(offer, names, workers):
         by_name[name] = Offer(trouble=str(answer), crashed=True) if isinstance(answer, Died) else answer

@@ -29,8 +29,6 @@ from runfiles.published import MAX_BYTES, SCHEMA_VERSION
 from scenarios.job import Job
 from scenarios.run.machine import clock, usable_cpus
 
-PACKAGES = "numpy", "numba", "scipy", *(name for one in engines().values() for name in one.packages), "coal", "python-fcl"
-"""Distributions in addition to avatarsim whose versions can change a figure."""
 ROOT = PACKAGE.parent
 """The checkout; of a wheel, in whose package the harness lies, the folder of installed packages."""
 CODE = ("avatarsim", "runfiles", "reference", "scenarios")
@@ -40,13 +38,18 @@ PLAN, PLAN_VERSION = "plan.json", 1
 VALID_PLAN = "one that this version wrote; run again"
 
 
+def packages() -> tuple[str, ...]:
+    """Return the distributions in addition to avatarsim whose versions can change a figure. Raises InvalidFile."""
+    return "numpy", "numba", "scipy", *(name for one in engines().values() for name in one.packages), "coal", "python-fcl"
+
+
 def provenance(command: Sequence[str]) -> dict[str, object]:
     """Return the facts known before a run begins; `seconds` is added at its end."""
     return {
         "command": " ".join(["python -m scenarios", *command]), "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "python": platform.python_version(), "platform": platform.platform(), "cpu": cpu(), "cpus": os.cpu_count() or 1,
         "cpus_usable": usable_cpus(), **clock(), "code": code_hash(), "commit": commit_of(ROOT),
-        "versions": {"avatarsim": VERSION, **{name: version(name) for name in PACKAGES}},
+        "versions": {"avatarsim": VERSION, **{name: version(name) for name in packages()}},
     }
 
 

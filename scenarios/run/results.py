@@ -50,7 +50,8 @@ def _reasons(results: Results) -> list[str]:
     for one in results.outcomes:
         about: Mapping[str, Any] = one.about
         notes.append(_Note(one.job.scenario, one.job.run, about.get("unsupported", {}), about.get("settings", {})))
-    return [str(why) for why in reasons(pd.DataFrame([{**vars(row), "run": row.run} for row in results.rows]), notes)]
+    found = reasons(pd.DataFrame([{**vars(row), "run": row.run} for row in results.rows]), notes)
+    return [str(why) or (row.note if row.metric == "run" else "") for row, why in zip(results.rows, found, strict=True)]
 
 
 def write(results: Results, folder: Path) -> None:

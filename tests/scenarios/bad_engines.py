@@ -32,7 +32,7 @@ DISTRIBUTION, MODULE = "bad_engines_for_tests", "bad_engines_of_a_stranger"
 NAMES = {
     "frozen": "Frozen", "tunnels": "Tunnels", "two_millimetres": "TwoMillimetres", "not_a_number": "NotANumber",
     "raises": "Raises", "dies": "Dies", "talks": "Talks", "speechless": "Speechless",
-    "dawdles": "Dawdles",
+    "dawdles": "Dawdles", "unrecorded": "Unrecorded",
 }
 
 
@@ -201,6 +201,13 @@ class Dies(Tunnels):
         super().move(sample, dt)
         if self.time > 3.5 * dt:
             os.kill(os.getpid(), signal.SIGKILL)
+
+
+class Unrecorded(Tunnels):
+    """Returns positions in place of a record."""
+
+    def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
+        return super().advance(sample, dt).shown.positions  # type: ignore[return-value]
 
 
 class Dawdles(Tunnels):

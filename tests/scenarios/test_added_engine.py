@@ -67,7 +67,8 @@ def test_its_sweep_is_of_its_folder(site: Path) -> None:
 @pytest.mark.parametrize(("old", "new", "key", "value"), [
     ('"#123456"', '"blue"', "colour", "blue"), ('["tuned"]', "[]", "presets", ()), ('name = "toy"', 'name = "b"', "name", "b"),
     ('"apex_error_max"', '"apex"', "dynamics.metrics[0]", "apex"), ('"toy.step({})"', "3", "native.dt", 3),
-    ("has_time_step", "has_time_stop", "has_time_stop", True), ("[native]", "[[issues]]\n[native]", "issues[0].title", None),
+    ("has_time_step", "has_time_stop", "has_time_stop", True), ("[native]", "[[issues]]\n[native]", "issues[0].title", "missing"),
+    ('"#123456"', '"#d55e00"', "colour", "#d55e00"), ("has_time_step = true", 'path = "a"', "path", "a"),
     ("steps = [60, 240]", "steps = [0]", "sweep[1].steps[0]", 0), ('base = "tuned", ', "", "sweep[1]", ""),
     ('["sleeping"]', '["dreaming"]', "sweep[2].calls[0]", "dreaming"), ("short = false", "kinds = [3]", "sweep[2].kinds[0]", 3),
     ("short = false", 'groups = ["none"]', "sweep[2].groups", "none"),
@@ -85,6 +86,15 @@ def test_a_malformed_fact_or_sweep_names_file_key_and_value(
     assert called(tmp_path, *(("run", "ball_drop") if facts else ("study", "settings")), "--engine", "toy") == 2
 
 
+def test_presets_of_the_file_are_those_of_the_adapter(site: Path, tmp_path: Path) -> None:
+    package = laid(site, ABOUT.replace('["tuned"]', '["tuned", "fast"]'))
+    with pytest.raises(InvalidFile) as raised:
+        opened("toy")
+    assert str(package / "about.toml") in raised.value.thing and raised.value.value == "fast"
+    assert "tuned" in raised.value.valid
+    assert called(tmp_path, "run", "ball_drop", "--engine", "toy") != 0
+
+
 def test_a_condition_that_nothing_knows_is_refused(site: Path) -> None:
     laid(site, ABOUT.replace("bodies may sleep", "at night"))
     with pytest.raises(InvalidFile) as raised:
@@ -99,11 +109,12 @@ def test_a_folder_beside_the_built_in_ones_is_an_engine(tmp_path: Path) -> None:
     assert (found.adapter, found.packages, found.variants["asleep"].scenes) == (
         "a.b:C", ("toy-physics",), "bodies may sleep")
     (tmp_path / "in_other").mkdir()
-    (tmp_path / "in_other" / "about.toml").write_text(ABOUT)
+    facts = ABOUT.replace("#123456", "#123457").replace("#abcdef", "#abcdee")
+    (tmp_path / "in_other" / "about.toml").write_text(facts)
     with pytest.raises(InvalidFile) as raised:
         engines.__wrapped__(tmp_path)
     assert "adapter" in raised.value.thing
-    (tmp_path / "in_other" / "about.toml").write_text('adapter = "a.b:C"\n' + ABOUT)
+    (tmp_path / "in_other" / "about.toml").write_text('adapter = "a.b:C"\n' + facts)
     with pytest.raises(InvalidFile) as raised:
         engines.__wrapped__(tmp_path)
     assert raised.value.value == "toy"

@@ -74,10 +74,25 @@ def test_2_for_an_empty_path_or_a_folder_that_cannot_be_made(
     assert option in capsys.readouterr().err and sorted(tmp_path.rglob("*")) == before
 
 
-@pytest.mark.parametrize(("engine", "status"), [("absent", "not-measured"), ("raises", "crashed"), ("no_engine", "not-measured")])
+@pytest.mark.parametrize(("engine", "status"), [
+    ("absent", "not-measured"), ("raises", "crashed"), ("no_engine", "not-measured"), ("unrecorded", "crashed"),
+])
 def test_3_when_an_engine_is_missing_or_crashed(site: Path, tmp_path: Path, engine: str, status: str) -> None:
     assert called(tmp_path, "check", "--engine", engine, *BALL) == 3
     assert [row["status"] for row in latest(tmp_path)["rows"]] == [status]
+
+
+def test_reason_of_an_engine_that_cannot_run_a_scene_is_printed_and_in_the_table(
+    site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert called(tmp_path, "run", "--engine", "speechless", *BALL) == 0
+    why = latest(tmp_path)["rows"][0]["note"]
+    assert why and why in capsys.readouterr().out and why in (last_run(tmp_path) / "results.csv").read_text()
+
+
+def test_facts_of_engines_are_not_read_before_a_command_can_answer_for_them() -> None:
+    code = "import scenarios.__main__, reports.__main__, runfiles.engines as e; assert e.engines.cache_info().currsize == 0"
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_3_for_a_full_disk(

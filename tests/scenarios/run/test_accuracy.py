@@ -140,6 +140,11 @@ def test_an_engine_that_raises_has_crashed_and_its_frames_stay(folder: Path) -> 
     assert kept.frames == 3 and kept.meta["error"] == outcome.note
 
 
+def test_an_engine_that_returns_no_record_has_crashed_with_its_type(folder: Path) -> None:
+    outcome = accuracy(job("fist", "unrecorded"), folder)
+    assert outcome.state == "crashed" and outcome.frames == 1 and "InvalidInput" in outcome.note and "ndarray" in outcome.note
+
+
 @pytest.mark.parametrize(("scenario", "state"), [("fist", "crashed"), ("refusing", "refused")])
 def test_a_refused_start_is_right_where_the_scene_expects_it(
     folder: Path, monkeypatch: pytest.MonkeyPatch, scenario: str, state: str,
