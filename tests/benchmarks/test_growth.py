@@ -78,7 +78,7 @@ def test_the_power_is_that_of_the_size() -> None:
     job = Job("links_61_apart", "avatarsim", "default", catalogue=scenes.__name__)
     clocked = Clocked(job, Timed(np.full((2, 5), 8000, dtype=np.int64)))
     found = growth.row("links", "apart", 64, clocked, smaller)
-    assert (found.p50, found.p95, found.links, found.power) == (8.0, 8.0, 61, pytest.approx(1.0))
+    assert (found.p50, found.p95, found.links) == (8.0, 8.0, 61) and found.power == pytest.approx(1.0)
 
 
 def test_the_command_times_every_engine_and_writes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

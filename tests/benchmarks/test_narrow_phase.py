@@ -86,7 +86,7 @@ def test_a_summary_is_over_all_cells() -> None:
         return Row("box", "box", "deep", mode, "lib", "lib", True, us, error, 0.0, 1, 1)
 
     (one,) = summaries([row("cold", 1.0, 0.0), row("cold", 4.0, 1e-3), row("coherent", 3.0, np.inf)])
-    assert (one.us_cold, one.us_coherent, one.right, one.cells, one.max_error_m) == (2.0, pytest.approx(3.0), 1, 3, 1e-3)
+    assert (one.us_cold, one.right, one.cells, one.max_error_m) == (2.0, 1, 3, 1e-3) and one.us_coherent == pytest.approx(3.0)
 
 
 def test_the_command_measures_and_writes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

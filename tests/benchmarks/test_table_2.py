@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from benchmarks.__main__ import main
-from benchmarks.table_2 import AS_PRINTED, PRINTED, SCENES, figure_7, runs, table_2
+from benchmarks.table_2 import AS_PRINTED, PRINTED, figure_7, runs, table_2
 from runfiles import record
 from scenarios import catalog
+from scenarios.catalog.paper import TABLE_2 as SCENES
 from tests.scenarios.examples import recorded
 
 FRAMES = 4

@@ -49,8 +49,8 @@ def of_session(session: int) -> list[int]:
 
 def killed(line: list[str], out: Path, after: int) -> None:
     """Run a command, kill it by SIGKILL once so many clips are done, and wait until the processes it started are over."""
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    with subprocess.Popen(line, cwd=ROOT, start_new_session=True, **quiet) as running:
+    quiet = subprocess.DEVNULL
+    with subprocess.Popen(line, cwd=ROOT, start_new_session=True, stdout=quiet, stderr=quiet) as running:
         until = time.monotonic() + 120.0
         while len(list(out.glob("certificates/*.json"))) < after and running.poll() is None and time.monotonic() < until:
             time.sleep(0.002)

@@ -55,7 +55,7 @@ def test_a_folder_is_cleaned_with_layout_and_certificate(tmp_path: Path) -> None
         json.loads((tmp_path / "out" / f"certificates/{one['motion']}.json").read_text())
     # in the format that it came in, and free frames are unchanged
     before, after = (load_motion(tmp_path / folder / "b.bvh") for folder in ("in", "out"))
-    model = before.model()
+    assert (model := before.model()) is not None
     old, new = before.motion(model), after.motion(model)
     assert len(old) == len(new) and (old.positions[0] == new.positions[0]).all()
     assert (old.positions[30] != new.positions[30]).any()

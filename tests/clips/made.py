@@ -1,6 +1,7 @@
 """Small clips and robots, written as other tools write theirs: a figure that sinks into the floor and rises again."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -64,7 +65,7 @@ def csv(path: Path, frames: int = 10) -> Path:
     return path
 
 
-def carrying(path: Path, frames: int = 12, **entries: object) -> Path:
+def carrying(path: Path, frames: int = 12, **entries: Any) -> Path:
     """Return a trajectory of the robot, and the poses of a cube of 0.1 m that comes into its arm."""
     share = np.linspace(0.0, 1.0, frames)
     rows = np.zeros((frames, 8))

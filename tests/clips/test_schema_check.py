@@ -30,8 +30,8 @@ def agree(value: object, schema: dict[str, Any]) -> bool:
 
 def damaged(value: Any, rng: random.Random) -> Any:
     """Return a certificate of which one part is missing, is more, or is something else."""
-    found = copy.deepcopy(value)
-    part, key = found, None
+    part = found = copy.deepcopy(value)
+    key: Any = None
     while isinstance(part, dict | list) and part and (key is None or rng.random() < 0.75):
         above, key = part, rng.choice(list(part) if isinstance(part, dict) else range(len(part)))
         part = part[key]

@@ -35,7 +35,7 @@ def random_boxes(rng, count, kind="cube"):
 
 def some_filter(rng, count):
     family = np.where(rng.random(count) < 0.3, rng.integers(0, 3, count), OPEN)
-    return pair_filter(family, [tuple(map(int, p)) for p in rng.integers(0, count, (count // 2, 2)) if p[0] != p[1]])
+    return pair_filter(family, [(int(a), int(b)) for a, b in rng.integers(0, count, (count // 2, 2)) if a != b])
 
 
 def both(boxes, wanted, memory, cap=4000):

@@ -19,7 +19,7 @@ END = 0.2
 """Horizon of all searches [s]."""
 
 
-def quaternion(turn: Rotation) -> tuple[float, ...]:
+def quaternion(turn: Rotation) -> tuple[float, float, float, float]:
     """Return the quaternion scalar first."""
     return tuple(turn.as_quat()[[3, 0, 1, 2]])
 
@@ -87,9 +87,10 @@ def test_grazing_hulls() -> None:
         for _ in range(24):
             shift = 0.5 * (hit + miss)
             a, b = bodies
+            assert a.mass is not None
             moved = (a.position[0], a.position[1] + shift, a.position[2])
             there = TwoBodies(simulated(a.name, a.pieces, "m", a.mass, moved, a.orientation, a.velocity, a.angular_velocity), b,
-                              gyroscopic=False)  # type: ignore[arg-type]
+                              gyroscopic=False)
             found = there.first_contact(END, acceleration_b=(0.0, 0.0, -9.81))
             first = twins[0]
             shifted = Flying(first.points, np.array(moved), first.turn, first.velocity, first.spin, first.pull)

@@ -60,13 +60,13 @@ def test_the_places_overlap_or_not_as_named():
 
 def gap_of(batch, k):
     """Return the query's answer for pair k."""
-    return judged.signed_distance(batch.vertices, batch.shapes, 2 * k, 2 * k + 1, (0.0, 0.0, 0.0), judged.SCRATCH)[1]
+    return signed_distance(batch.vertices, batch.shapes, 2 * k, 2 * k + 1, (0.0, 0.0, 0.0), judged.SCRATCH)[1]
 
 
 @pytest.mark.parametrize("stratum", ["apart", "shallow", "deep", "flush", "grazing"])
 @pytest.mark.parametrize("fault", ["gap", "normal", "points", "status", "sign", "nan"])
 def test_a_wrong_answer_is_noticed(stratum, fault, monkeypatch):
-    honest = judged.signed_distance
+    honest = signed_distance
 
     def lies(vertices, shapes, a, b, seed, scratch):
         code, gap, n, on_a, on_b = honest(vertices, shapes, a, b, seed, scratch)

@@ -22,7 +22,7 @@ from avatarsim.collision.motion_bounds import earliest_touch
 from avatarsim.collision.path import FREE, STILL
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.body import Body, fixed, simulated, solid
-from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
+from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
 from tests.rigid.upper_world import World, ball, first_impact, thing
 
 G = 9.81
@@ -195,7 +195,7 @@ def test_questions_that_mean_nothing_are_refused() -> None:
 
 
 WILD = st.one_of(st.floats(-1e3, 1e3), st.sampled_from([0.0, 1e-300, -1e-12, 1e8, -1e30, 1e150, 5e-324]))
-SOLIDS = (Sphere(0.1), Box((0.1, 0.2, 0.3)), Capsule(0.05, 0.2), Ellipsoid((0.1, 0.2, 0.3)), Box((1e-4, 1.0, 1.0)))
+SOLIDS: list[Shape] = [Sphere(0.1), Box((0.1, 0.2, 0.3)), Capsule(0.05, 0.2), Ellipsoid((0.1, 0.2, 0.3)), Box((1e-4, 1.0, 1.0))]
 
 
 @pytest.fixture(scope="module")

@@ -105,7 +105,7 @@ def test_thin_triangles_prove_their_distance_by_its_direction(exponent):
         normal = np.cross(u, v) / np.linalg.norm(np.cross(u, v))
         a = a if k % 3 == 0 else -0.3 * u - 0.3 * v + normal * 10.0 ** rng.uniform(-8, 0)
         corners = [a, a + u, a + v][k % 3 :] + [a, a + u, a + v][: k % 3]
-        p, share = closest_on_triangle(*(tuple(map(float, corner)) for corner in corners))
+        p, share = closest_on_triangle(*(tuple(corner.tolist()) for corner in corners))
         assert min(share) >= 0.0
         np.testing.assert_allclose(np.array(share) @ np.array(corners), p, atol=2e-14)
         # Below: no corner is nearer along p; above: p is a point of the triangle.
@@ -119,7 +119,7 @@ def test_a_normal_is_at_right_angles_to_nearly_parallel_edges():
         u = rng.normal(size=3)
         v = 0.3 * u + 10.0**exponent * rng.normal(size=3)
         for first, second in ((u, v), (v, u)):
-            n = np.array(upright(tuple(map(float, first)), tuple(map(float, second))))
+            n = np.array(upright(tuple(first.tolist()), tuple(second.tolist())))
             n /= np.linalg.norm(n)
             assert abs(n @ u) < 2e-15 and abs(n @ v) < 2e-15
             assert n @ np.cross(first, second) > 0.0

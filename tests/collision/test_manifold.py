@@ -73,7 +73,7 @@ def half_planes(corners: Array) -> Array:
 def common(one: Array, two: Array) -> tuple[Array, Array]:
     """Return (corners of the common part of two polygons or segments, all their half-planes), by crossing every two lines."""
     planes = np.vstack([half_planes(one), half_planes(two)])
-    found: list[Array] = []
+    found: list[np.ndarray] = []
     for i, k in combinations(range(len(planes)), 2):
         m = planes[[i, k], :2]
         if abs(np.linalg.det(m)) > 1e-9:

@@ -94,4 +94,4 @@ def test_concentric_and_nearly_so(shift, scale):
         (ellipsoid(0.5, 0.5, 0.5), capsule(0.1, 0.2), 0.6),
     ):
         gap = checked_both_ways(a.moved(scale=scale), b.moved(scale=scale, shift=np.array(shift) * scale)) / scale
-        assert gap == pytest.approx(-depth, abs=RELATIVE + 2.0 * np.linalg.norm(shift))
+        assert gap == pytest.approx(-depth, abs=RELATIVE + 2.0 * float(np.linalg.norm(shift)))

@@ -73,7 +73,7 @@ def test_the_lowest_row_of_those_with_the_largest_product(many):
     for k in range(60):
         if k == 30:  # from here on, with ties
             rows[5 : 5 + many] = rows[5 : 5 + many].round()
-        d = tuple(float(x) for x in (rng.normal(size=3) if k % 3 else np.eye(3)[k % 9 // 3]))
+        d = tuple((rng.normal(size=3) if k % 3 else np.eye(3)[k % 9 // 3]).tolist())
         products = np.array([dot(tuple(x), d) for x in rows[5 : 5 + many].tolist()])
         assert farthest(rows, 5, 5 + many, d) == 5 + int(products.argmax())
         assert largest(rows, 5, 5 + many, d) == products.max()

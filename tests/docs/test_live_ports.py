@@ -26,8 +26,8 @@ RADIUS = 0.2
 
 def test_the_tracker_leads_the_default_palm_in_a_circle(capsys: pytest.CaptureFixture[str]) -> None:
     found, targets, shown = stage(SCENE).scene, list[Goals](), list[np.ndarray]()
-    palm, page = found.names.index("hand/palm"), SimpleNamespace(driver=Driver(found), _tracked=set())
-    refused = list[str]()
+    palm, refused = found.names.index("hand/palm"), list[str]()
+    page: Any = SimpleNamespace(driver=Driver(found), _tracked=set())
     with (
         av.AvatarsimEngine() as engine,
         Ports(found, lambda goals, *_: targets.append(goals), ws_port=None, limits=Limits(per_second=10**6),

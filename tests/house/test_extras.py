@@ -10,7 +10,6 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from avatarsim import errors
 from avatarsim.assets.models.mujoco_versions import FAULTY
 from avatarsim.errors import MissingPackage, bringing
 
@@ -74,7 +73,7 @@ def test_each_missing_package_is_in_the_extra_that_is_named() -> None:
 
 def test_an_installed_engine_names_what_its_metadata_lists(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     required = ["numpy>=2.3", 'coacd>=1.0.7; extra == "assets"', 'trimesh>=5.0 ; extra == "assets"', 'viser; extra == "view"']
-    monkeypatch.setattr(errors.metadata, "requires", lambda name: required)
+    monkeypatch.setattr(metadata, "requires", lambda name: required)
     assert bringing("assets", "coacd", tmp_path) == "pip install 'coacd>=1.0.7' 'trimesh>=5.0'"
     assert bringing("nothing", "coacd", tmp_path) == "pip install coacd"
 

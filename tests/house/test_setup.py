@@ -35,8 +35,8 @@ def _fake_python(path: Path, script: str) -> str:
 
 
 choose_python = _load("choose_python")
-OLD = ("old", (3, 10, 13), [])
-NEW = ("new", (3, 14, 0), [])
+OLD = ("old", (3, 10, 13), list[str]())
+NEW = ("new", (3, 14, 0), list[str]())
 BARE = ("bare", (3, 11, 2), ["venv", "ensurepip"])
 
 
@@ -177,7 +177,7 @@ def test_the_command_and_packages_work_from_any_folder(tmp_path: Path) -> None:
     (packages / "of_this_environment.pth").write_text(sysconfig.get_path("purelib"), encoding="utf-8")
     install = _load("install", source)
     install.install_project()
-    run = {"cwd": tmp_path, "env": {"PATH": ""}, "capture_output": True, "text": True}
+    run: dict[str, Any] = {"cwd": tmp_path, "env": {"PATH": ""}, "capture_output": True, "text": True}
     said = subprocess.run([source / ".venv" / "bin" / "avatarsim", "--help"], check=True, **run).stdout
     assert "compile" in said and "replay" in said
     where = "import avatarsim, reference, scenarios; print(avatarsim.__file__, reference.__file__, scenarios.__file__)"

@@ -16,11 +16,12 @@ from pathlib import Path
 
 from joblib import Parallel, cpu_count, delayed
 
+from avatarsim.collision.signed_distance import signed_distance
 from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError
 from avatarsim.simulator import AvatarsimEngine
 from scenarios import catalog
-from tests.collision.judged import SCRATCH, signed_distance
+from tests.collision.judged import SCRATCH
 from tests.collision.strata import BATCH, STRATA, draw
 from tests.progress_bar import bar
 from tests.rigid.random_impacts import run as impacts

@@ -36,7 +36,7 @@ class Outer(NamedTuple):
     inner: Inner
     alike: Alike
     on: bool
-    count: int
+    count: int  # type: ignore[assignment]
 
 
 @kernel

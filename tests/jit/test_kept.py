@@ -53,8 +53,8 @@ def test_a_range_follows_the_sizes_of_the_world(whole: Whole, expected: tuple[in
 
 def test_marks_do_not_change_the_layout() -> None:
     assert whole_of(hints_of(Outer)["flags"]) is FLAG and whole_of(hints_of(Unmarked)["flags"]) is None
-    fields = (*[Inner(np.ones(2), np.zeros(1), np.arange(3))] * 2, np.zeros(4, dtype=np.int64))
-    (marked, view), (unmarked, _) = pack(Outer(*fields)), pack(Unmarked(*fields))
+    inner, counts = Inner(np.ones(2), np.zeros(1), np.arange(3)), np.zeros(4, dtype=np.int64)
+    (marked, view), (unmarked, _) = pack(Outer(inner, inner, counts)), pack(Unmarked(inner, inner, counts))
     np.testing.assert_array_equal(view.working.counted, np.arange(3))
     # all but the tag, which has the name of the tuple
     np.testing.assert_array_equal(np.delete(marked, FIRST - 1), np.delete(unmarked, FIRST - 1))

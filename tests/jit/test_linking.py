@@ -200,11 +200,11 @@ ROOT = Path(__file__).parents[2]
 
 def answers() -> str:
     """Return the answers of GJK and EPA for drawn pairs, to the last bit."""
-    batch, found = draw("shallow", 1, 0), []
+    batch, found = draw("shallow", 1, 0), list[object]()
     for k in range(BATCH):
         pair, seed = (batch.vertices, batch.shapes, 2 * k, 2 * k + 1), (0.0, 0.0, 0.0)
-        found.append(gjk(*pair, seed, np.inf, SCRATCH))
-        found.append(epa(*pair, seed, found[-1][3], SCRATCH))
+        first = gjk(*pair, seed, np.inf, SCRATCH)
+        found += first, epa(*pair, seed, first[3], SCRATCH)
     return repr(found)
 
 

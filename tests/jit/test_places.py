@@ -82,8 +82,8 @@ def test_kernels_removed_meanwhile_are_no_fault(tmp_path: Path, monkeypatch: pyt
 
 def test_a_folder_that_was_made_after_the_start_is_read_too(tmp_path: Path) -> None:
     chosen = Places(tmp_path / "kernels")
-    assert chosen.read == ()
-    assert chosen.write == tmp_path / "kernels" and chosen.read == (tmp_path / "kernels",)
+    before = chosen.read
+    assert chosen.write == tmp_path / "kernels" and (before, chosen.read) == ((), (tmp_path / "kernels",))
 
 
 def test_reports_once_or_refuses_where_nothing_can_be_kept(

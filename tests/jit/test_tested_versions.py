@@ -12,7 +12,8 @@ from packaging.requirements import Requirement
 from avatarsim.errors import AvatarsimError, UnsupportedVersion
 from avatarsim.jit import tested_versions
 from avatarsim.jit.kernel import ROOT
-from avatarsim.jit.tested_versions import PRIVATE, TESTED, guarded, missing, untested
+from avatarsim.jit.packages import TESTED
+from avatarsim.jit.tested_versions import PRIVATE, guarded, missing, untested
 
 
 def test_what_is_installed_is_tested_and_errors_pass() -> None:

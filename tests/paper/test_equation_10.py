@@ -23,7 +23,7 @@ def test_as_printed(mu: float, j: float, v_t: tuple[float, float, float]) -> Non
 def test_the_limit_only_shortens(mu: float, j: float, v_t: tuple[float, float, float], sticking: float) -> None:
     """Never larger than either figure, same direction."""
     limited, printed = np.array(limited_friction_impulse(mu, j, v_t, sticking)), np.array(friction_impulse(mu, j, v_t))
-    assert np.linalg.norm(limited) <= min(np.linalg.norm(printed), sticking) + 1e-12
+    assert np.linalg.norm(limited) <= min(float(np.linalg.norm(printed)), sticking) + 1e-12
     np.testing.assert_allclose(np.cross(limited, printed), 0.0, atol=1e-9)
 
 

@@ -30,7 +30,7 @@ def test_reverses_the_normal_velocity_of_any_two_bodies(
         return float(n @ (va + np.cross(wa, ra) - vb - np.cross(wb, rb)))
 
     before = v_n(np.array(va), np.array(wa), np.array(vb), np.array(wb))
-    terms = [turning_term(tuple(map(tuple, i)), r, tuple(n)) for i, r in ((inverse_a, ra), (inverse_b, rb))]
+    terms = [turning_term((tuple(i[0]), tuple(i[1]), tuple(i[2])), r, tuple(n)) for i, r in ((inverse_a, ra), (inverse_b, rb))]
     j = collision_impulse(e, before, 1.0 / ma, 1.0 / mb, *terms)
     after = v_n(
         np.array(va) + j * n / ma, np.array(wa) + inverse_a @ np.cross(ra, j * n),

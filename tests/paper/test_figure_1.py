@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from scenarios.catalog.paper.hand_over_table import BALL_RADIUS, TABLE_HEIGHT
+from scenarios.building.gallery import TABLE_HEIGHT
+from scenarios.catalog.paper.hand_over_table import BALL_RADIUS
 from tests.coupling.scenes import deepest
 from tests.paper.scene_run import scene_run
 

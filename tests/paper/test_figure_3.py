@@ -66,7 +66,7 @@ def test_two_arms_part():
     loop = Loop(arms, angles=[-0.5, 0.3, 0.1, 0.5, 0.0, -0.1])
     rng = np.random.default_rng(1)
     for _ in range(60):
-        loop.frame(angles=rng.uniform(-1.5, 1.5, 6), frames=4)
+        loop.frame(angles=rng.uniform(-1.5, 1.5, 6).tolist(), frames=4)
         assert overlapping_pairs(loop.world) == []
         assert loop.excess() <= 0.0
     assert loop.count(ITERATIONS) > 20

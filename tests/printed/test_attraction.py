@@ -153,8 +153,8 @@ def test_a_tracker_that_is_no_number_is_not_remembered():
 
 
 DT = 1.0 / 60.0
-BALL = (Piece(Sphere(0.1)),)
-FREE_BALL = simulated("ball", BALL, "wood", solid(BALL, 1.0), (3.0, 0.0, 0.0))
+SPHERE = (Piece(Sphere(0.1)),)
+FREE_BALL = simulated("ball", SPHERE, "wood", solid(SPHERE, 1.0), (3.0, 0.0, 0.0))
 WALL = fixed("wall", (Piece(Box((1.0, 4.0, 4.0)), (1.0, 0.0, 0.0)),), "wood")
 """A wall whose surface begins at x = 0.5."""
 

@@ -65,7 +65,7 @@ def test_limbs_point_to_the_next_joint_or_through_the_tip():
 
 @pytest.mark.parametrize("n", [0, 1, 2, 5])
 def test_an_order_is_a_permutation_and_all_are_equally_likely(n):
-    state, order, seen = seeded(1), np.zeros(n, dtype=np.int64), {}
+    state, order, seen = seeded(1), np.zeros(n, dtype=np.int64), dict[tuple[int, ...], int]()
     for _ in range(6000):
         shuffle(state, order)
         assert sorted(order.tolist()) == list(range(n))

@@ -11,9 +11,9 @@ from scipy.optimize import minimize
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Shape, Sphere
 from avatarsim.spatial import rotation
-from reference import judge_trust as module
 from reference.judge_trust import BOUND, FILE, Trust, counted, main, trust
 from reference.judging.in_fcl import fcl_distance, fcl_distances, fcl_geometry
+from reference.judging.judge import Judge
 from reference.judging.known_pairs import FLOOR, KINDS, REGIMES, Gallery, exact, offset, point_to_ellipsoid
 
 PROMISE = 1e-8
@@ -64,7 +64,7 @@ def test_errors_alarms_and_misses_are_counted() -> None:
 
 
 def test_a_judge_that_lies_or_passes_over_a_pair_is_found_out(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    honest = module.Judge.distances
+    honest = Judge.distances
 
     def lying(self, *asked):
         first, second, judged = honest(self, *asked)
@@ -75,10 +75,10 @@ def test_a_judge_that_lies_or_passes_over_a_pair_is_found_out(monkeypatch: pytes
         return first[1:], second[1:], judged[1:]
 
     pairs, where = len(KINDS) * len(REGIMES), ["--run", str(tmp_path)]
-    monkeypatch.setattr(module.Judge, "distances", lying)
+    monkeypatch.setattr(Judge, "distances", lying)
     whole = trust(pairs, 7).whole
     assert whole.largest_error == pytest.approx(1e-4, rel=1e-3) and whole.false_alarms > 0 and whole.judge_wrong > 0
-    monkeypatch.setattr(module.Judge, "distances", silent)
+    monkeypatch.setattr(Judge, "distances", silent)
     assert main([*where, "--pairs", str(pairs)]) == 1
     assert np.isnan(json.loads((tmp_path / FILE).read_text())["all"]["largest_error"])
 
@@ -135,7 +135,7 @@ def test_point_to_ellipsoid_is_the_least_over_its_surface() -> None:
         radii = random.uniform(0.03, 0.3, 3)
         point = random.normal(size=3) * random.choice([0.02, 0.1, 0.5])
 
-        def apart(angles: np.ndarray, point: np.ndarray = point, radii: np.ndarray = radii) -> float:
+        def apart(angles: np.ndarray | tuple[float, float], point: np.ndarray = point, radii: np.ndarray = radii) -> float:
             a, b = angles
             return float(np.linalg.norm(radii * [np.cos(a) * np.cos(b), np.sin(a) * np.cos(b), np.sin(b)] - point))
 

@@ -11,7 +11,7 @@ STATES = 20
 AT_ORIGIN = {"position": [0.0, 0.0, 0.0], "orientation": [1.0, 0.0, 0.0, 0.0]}
 SLAB, BALL = ({"kind": "box", "size": [1.0, 1.0, 0.1]} | AT_ORIGIN), ({"kind": "sphere", "radius": 0.1} | AT_ORIGIN)
 MASS = {"mass": 2.0, "centre": [0.0, 0.0, 0.0], "inertia": (0.1 * np.eye(3)).tolist()}
-BODIES = [
+BODIES: list[dict[str, object]] = [
     {"name": "slab", "role": "fixed", "mass": None, "pieces": [SLAB]},
     {"name": "ball", "role": "simulated", "mass": MASS, "pieces": [BALL]},
     {"name": "hand", "role": "driven", "mass": None, "pieces": [BALL]},

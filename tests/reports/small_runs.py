@@ -22,7 +22,7 @@ OURS, MUJOCO, BULLET, RAW = "avatarsim/default", "mujoco/tuned", "pybullet/tuned
 
 
 def figure(
-    scene: str, run: str, metric: str, value: float | None, status: str = "info", bound: float | None = None,
+    scene: str, run: str, metric: str, value: float | None, status: Status = "info", bound: float | None = None,
     ceiling: float | None = None, seed: int = 0, note: str = "",
 ) -> Row:
     """Return one figure, with the unit of its metric."""

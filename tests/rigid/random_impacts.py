@@ -55,9 +55,9 @@ class Meeting(NamedTuple):
 
 def a_meeting() -> Meeting:
     """Return room for one."""
-    rows = [np.zeros((2, 3)) for _ in range(5)]
+    a, b, c, d, e = (np.zeros((2, 3)) for _ in range(5))
     rest = np.zeros(9), np.zeros(9), np.zeros((POINTS, 3)), np.zeros((POINTS, 3)), np.zeros((2, 3))
-    return Meeting(*rows, np.zeros((2, 3, 3)), np.arange(2), *rest)
+    return Meeting(a, b, c, d, e, np.zeros((2, 3, 3)), np.arange(2), *rest)
 
 
 @kernel

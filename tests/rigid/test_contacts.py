@@ -41,8 +41,8 @@ def test_only_who_was_hit_is_faster_or_slower_than_before(seed: int) -> None:
     masses = Masses(np.array([0.0, *rng.uniform(0.5, 2.0, BODIES - 1)]), np.zeros((BODIES, 3, 3)))
     for _ in range(POINTS):
         a, b = rng.choice(BODIES, 2, replace=False)
-        n = rng.normal(size=3)
-        assert add_contact(contacts, a, b, 0, tuple(n / np.linalg.norm(n)), *map(tuple, rng.normal(size=(2, 3))), 0.0)
+        n, arms = rng.normal(size=3), rng.normal(size=(2, 3))
+        assert add_contact(contacts, a, b, 0, tuple(n / np.linalg.norm(n)), tuple(arms[0]), tuple(arms[1]), 0.0)
     weigh(contacts, masses)
     linear, angular = rng.normal(size=(BODIES, 3)), rng.normal(size=(BODIES, 3))
     linear[0], angular[0] = 0.0, 0.0

@@ -33,7 +33,7 @@ def asked(world: World, turns: Array, t: float, linear: Array, angular: Array, s
         world.poses.rotation[b] = Rotation.from_rotvec(t * angular[b]).as_matrix() @ turns[b]
         place(world.geometry, world.poses, b)
     found = signed_distance(world.poses.vertices, world.geometry.shapes, 0, 1, (0.0, 0.0, 0.0), SCRATCH)
-    return found[1], *(np.array(x) for x in found[2:5])
+    return found[1], np.array(found[2]), np.array(found[3]), np.array(found[4])
 
 
 def laid(world: World, rng: np.random.Generator) -> tuple[Array, Array]:

@@ -89,7 +89,7 @@ def test_along_the_tangents_the_slower_of_both_counts(driven: int) -> None:
         n, arms = rng.normal(size=3), rng.normal(size=(2, 3))
         n /= np.linalg.norm(n)
         pair = (b, 0) if side == 0 else (0, b)
-        add_contact(contacts, *pair, driven, tuple(n), *map(tuple, arms), 0.0)
+        add_contact(contacts, *pair, driven, tuple(n), tuple(arms[0]), tuple(arms[1]), 0.0)
         memory = world.memory._replace(contacts=contacts)
         world.velocities.linear[:], world.velocities.angular[:] = rng.normal(size=(2, 2, 3))
         memory.shown_linear[b], memory.shown_angular[b] = rng.uniform(0.0, 2.0) * rng.normal(size=(2, 3))

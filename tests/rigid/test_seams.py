@@ -1,6 +1,7 @@
 """Internal edges of floors that are cut in pieces: they move no body, and every real step is met."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -35,7 +36,7 @@ def floor(cuts: Sequence[float] | np.ndarray, heights: Sequence[float] | None = 
     return fixed("floor", tuple(pieces(cuts, heights)), "m")
 
 
-def slider(x: float = -1.0, gap: float = STAND_OFF, **more: object) -> Body:
+def slider(x: float = -1.0, gap: float = STAND_OFF, **more: Any) -> Body:
     """Return a box on the floor that slides along x."""
     more.setdefault("velocity", (SPEED, 0.0, 0.0))
     return thing("box", Box(SIZE), (x, 0.0, 0.5 * SIZE[2] + gap), **more)

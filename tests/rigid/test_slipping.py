@@ -65,7 +65,7 @@ def test_a_held_corner_slips_by_no_more_than_the_remainder() -> None:
             angular[1] = spin
             bound = remainder(contacts, 0, h, angular, w_end)
             assert slip <= bound
-            most = max(most, slip / bound)
+            most = max(most, float(slip / bound))
     assert most > 0.7
 
 

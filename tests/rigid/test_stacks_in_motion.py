@@ -342,7 +342,7 @@ def test_crowded_boxes_slide_over_seams_as_over_one_piece() -> None:
     motion = scenario.motion(scene, 0)
     first = engine.load(scene, Settings(), scenario.dt).shown.positions
     for frame in range(60):
-        engine._frames.upper.memory.substeps.crowd[:] = 1
+        engine._running().upper.memory.substeps.crowd[:] = 1
         shown = engine.advance(motion(frame), scenario.dt).shown
     boxes = [scene.names.index(name) for name in ("straight", "turned", "leaning", "pieces", "askew", "bottom")]
     gone = np.linalg.norm(shown.positions[boxes] - first[boxes], axis=1)

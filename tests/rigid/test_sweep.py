@@ -37,8 +37,8 @@ def heap(seed: int):
     for k in range(POINTS):
         a, b = rng.choice(BODIES, 2, replace=False)
         n = rng.normal(size=3)
-        driven = int(rng.choice([NOT_DRIVEN, DRIVEN_A, DRIVEN_B]))
-        assert add_contact(contacts, a, b, driven, tuple(n / np.linalg.norm(n)), *map(tuple, rng.normal(size=(2, 3))), 0.0)
+        driven, arms = int(rng.choice([NOT_DRIVEN, DRIVEN_A, DRIVEN_B])), rng.normal(size=(2, 3))
+        assert add_contact(contacts, a, b, driven, tuple(n / np.linalg.norm(n)), tuple(arms[0]), tuple(arms[1]), 0.0)
         contacts.friction[k] = rng.choice([0.0, 0.3, 1.0])
         contacts.target[k] = rng.choice([-np.inf, 0.0, 0.2])
         contacts.slide[k] = 0.1 * rng.normal(size=2)

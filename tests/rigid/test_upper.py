@@ -11,7 +11,7 @@ from avatarsim.rigid.impacts import REST_SPEED
 from avatarsim.rigid.resting import SOLVED
 from avatarsim.rigid.state import NOT_FINITE, SEARCHES, SEGMENTS, UNSQUEEZED
 from avatarsim.scene.body import fixed
-from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
+from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
 from reference.closed_form import bounce_state
 from tests.rigid.random_impacts import ROUNDING, run
 from tests.rigid.upper_world import G, World, ball, hand, slab, thing
@@ -88,7 +88,7 @@ def test_a_tumbling_box_keeps_momentum_and_energy() -> None:
             crossings.append(world.time - rate / (rate - last) / 60.0)
         last = rate
     assert world.energy() == pytest.approx(before, rel=1e-12)
-    np.testing.assert_allclose(world.angular_momentum(0), momentum, rtol=0.0, atol=1e-12 * np.linalg.norm(momentum))
+    np.testing.assert_allclose(world.angular_momentum(0), momentum, rtol=0.0, atol=1e-12 * float(np.linalg.norm(momentum)))
     np.testing.assert_allclose(crossings, [1.166, 4.194, 7.223], atol=2e-3)
 
 
@@ -112,7 +112,7 @@ def test_nothing_tunnels(speed: float, phase: float) -> None:
     assert world.velocities.linear[1, 0] == pytest.approx(speed)
 
 
-SHAPES = {
+SHAPES: dict[str, Shape] = {
     "box": Box((0.1, 0.2, 0.3)), "capsule": Capsule(0.06, 0.2), "ellipsoid": Ellipsoid((0.1, 0.07, 0.12)),
     "hull": ConvexHull(np.random.default_rng(4).normal(size=(14, 3)) * 0.08),
 }

@@ -1,6 +1,6 @@
 """Small worlds for tests of the upper loop: build bodies, run frames, read energies and gaps."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations
@@ -21,6 +21,7 @@ from avatarsim.scene.avatar import Avatar, rigid_avatar
 from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Shape, Sphere
+from avatarsim.spatial.vec3 import Vec3
 
 Array = NDArray[np.float64]
 G = 9.81
@@ -47,21 +48,21 @@ def wanted_pairs(of: Geometry) -> NDArray[np.int64]:
     ).reshape(-1, 2)
 
 
-def thing(name: str, shape: Shape, position: Sequence[float], mass: float = 1.0, **more: Any) -> Body:
+def thing(name: str, shape: Shape, position: Iterable[float], mass: float = 1.0, **more: Any) -> Body:
     """Return a simulated body of one shape."""
-    pieces = (Piece(shape),)
-    return simulated(name, pieces, more.pop("material", "m"), solid(pieces, mass), position=tuple(position), **more)
+    pieces, (x, y, z) = (Piece(shape),), position
+    return simulated(name, pieces, more.pop("material", "m"), solid(pieces, mass), position=(x, y, z), **more)
 
 
-def ball(name: str, position: Sequence[float], radius: float = 0.1, mass: float = 1.0, **more: Any) -> Body:
+def ball(name: str, position: Iterable[float], radius: float = 0.1, mass: float = 1.0, **more: Any) -> Body:
     """Return a simulated sphere."""
     return thing(name, Sphere(radius), position, mass, **more)
 
 
-def slab(size: Sequence[float] = (40.0, 40.0, 1.0), **more: Any) -> Body:
+def slab(size: Vec3 = (40.0, 40.0, 1.0), **more: Any) -> Body:
     """Return a fixed box whose upper face is at z = 0 by default."""
     more.setdefault("position", (0.0, 0.0, -0.5 * size[2]))
-    return fixed("slab", (Piece(Box(tuple(size))),), more.pop("material", "m"), **more)
+    return fixed("slab", (Piece(Box(size)),), more.pop("material", "m"), **more)
 
 
 @dataclass
@@ -150,7 +151,7 @@ def first_impact(world: World, poses: Any, velocities: Any, begin: float, end: f
     )
 
 
-def hand(name: str = "hand", size: Sequence[float] = (0.4, 0.4, 0.1), mass: float = 2.0) -> Avatar:
+def hand(name: str = "hand", size: Vec3 = (0.4, 0.4, 0.1), mass: float = 2.0) -> Avatar:
     """Return a driven box without joints."""
-    pieces = (Piece(Box(tuple(size))),)
+    pieces = (Piece(Box(size)),)
     return rigid_avatar(name, pieces, solid(pieces, mass), material="m")

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from pathlib import Path
 
 import pytest
@@ -133,6 +133,7 @@ def test_no_process_is_left_when_the_results_are_left_early(shared: Callable[[st
     before = {child.pid for child in multiprocessing.active_children()}
     several = side_by_side(test_processes.act, ["one", "dawdle", "two", "three"], 2, shared)
     next(several)
+    assert isinstance(several, Generator)
     several.close()
     assert {child.pid for child in multiprocessing.active_children()} <= before
 
@@ -159,6 +160,7 @@ def test_idle_processes_end_with_their_parent_however_it_ends(number: signal.Sig
         # a shell's background job ignores Ctrl-C, and so would all that it starts: as at a terminal instead
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     ) as running:
+        assert running.stdout is not None
         left = {int(word) for word in running.stdout.readline().split() if word.isdigit()}
         assert len(left) == 2
         running.send_signal(number)

@@ -62,8 +62,8 @@ def test_solved_is_that_of_numpy(seed: int) -> None:
     random = np.random.default_rng(seed)
     half, right = random.normal(size=(3, 3)), random.normal(size=3)
     matrix = half @ half.T + 0.1 * np.eye(3)
-    a, b, c = (tuple(float(x) for x in column) for column in matrix.T)
-    found = solved(a, b, c, tuple(float(x) for x in right))
+    a, b, c = map(tuple, matrix.T.tolist())
+    found = solved(a, b, c, tuple(right.tolist()))
     assert np.array(found) == pytest.approx(np.linalg.solve(matrix, right), rel=1e-9, abs=1e-12)
 
 

@@ -13,9 +13,11 @@ from reference import closed_form as exact
 G = 9.81
 
 
-def integrated(rate, start, time, **options):
-    """Return state at `time` by an eighth-order Runge-Kutta method."""
-    return solve_ivp(rate, (0.0, time), start, method="DOP853", rtol=1e-12, atol=1e-13, **options)
+def integrated(rate, start, time, until=None):
+    """Return state at `time`, or where `until` is zero, by an eighth-order Runge-Kutta method."""
+    if until is not None:
+        until.terminal = True
+    return solve_ivp(rate, (0.0, time), start, method="DOP853", rtol=1e-12, atol=1e-13, events=until)
 
 
 def test_free_fall_is_what_integration_gives():
@@ -159,8 +161,7 @@ def test_sliding_body_stops_where_integration_stops_it():
     def stopped(t, s):
         return s[1]
 
-    stopped.terminal = True
-    slide = integrated(lambda t, s: [s[1], -0.5 * G], [0.0, 3.0], 5.0, events=stopped)
+    slide = integrated(lambda t, s: [s[1], -0.5 * G], [0.0, 3.0], 5.0, until=stopped)
     assert slide.t_events[0][0] == pytest.approx(exact.stop_time(3.0, 0.5, G), abs=1e-10)
     assert slide.y_events[0][0][0] == pytest.approx(exact.stop_distance(3.0, 0.5, G), abs=1e-10)
     assert exact.stop_distance(3.0, 0.5, G) == pytest.approx(0.9174, abs=5e-5)
@@ -172,9 +173,8 @@ def test_sliding_sphere_rolls_where_integration_says():
     def rolls(t, s):
         return s[1] - radius * s[2]
 
-    rolls.terminal = True
     # torque mu m g r on 2/5 m r^2
-    motion = integrated(lambda t, s: [s[1], -friction * G, 2.5 * friction * G / radius], [0.0, 3.0, 0.0], 5.0, events=rolls)
+    motion = integrated(lambda t, s: [s[1], -friction * G, 2.5 * friction * G / radius], [0.0, 3.0, 0.0], 5.0, until=rolls)
     way, speed, _ = motion.y_events[0][0]
     assert motion.t_events[0][0] == pytest.approx(exact.roll_time(3.0, friction, G), abs=1e-10)
     assert way == pytest.approx(exact.roll_distance(3.0, friction, G), abs=1e-10)
@@ -207,8 +207,7 @@ def test_falling_rod_is_what_its_equation_of_motion_gives():
     def down(t, s):
         return s[0] - pi / 2
 
-    down.terminal = True
-    w = integrated(rate, [start, 0.0], 5.0, events=down).y_events[0][0][1]
+    w = integrated(rate, [start, 0.0], 5.0, until=down).y_events[0][0][1]
     assert exact.rod_angular_velocity(start, pi / 2, length, G) == pytest.approx(w, abs=1e-9)
     assert w == pytest.approx(5.4114, abs=5e-5)
 

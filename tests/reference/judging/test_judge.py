@@ -163,11 +163,11 @@ def test_many_states_at_once_are_judged_as_each_alone(monkeypatch):
     assert (linked[np.arange(40) != 7] <= depths[np.arange(40) != 7]).all() and (linked < depths).any()
 
 
-def test_a_pair_without_a_distance_is_never_a_pass():
+def test_a_pair_without_a_distance_is_never_a_pass(monkeypatch):
     at = FREE.copy()
     at[2] = 0.0, 0.3, 0.09
     judge = Judge(ROOM)
-    judge.between.each = lambda at, turned, near: (np.full(len(near.state), np.nan), np.zeros(len(near.state), dtype=bool))
+    monkeypatch.setattr(judge.between, "each", lambda at, turned, near: (np.nan * near.state, np.zeros(len(near.state), bool)))
     verdict = judge.overlaps(at, upright(at))
     assert np.isnan(verdict.deepest)
     assert "table" in verdict.faults[0]
@@ -209,8 +209,8 @@ def test_pairs_that_overlap_at_home_overlap_beyond_that(depth):
     assert Judge(resting(depth)).depths(*states) == pytest.approx([found.deepest, 0.0, found.deepest], abs=PROMISE)
     assert Judge(resting(depth)).deepest(*states) == pytest.approx(found.deepest, abs=PROMISE)
     at[7] = 0.0, 0.0, 0.05 - 0.75 * depth
-    raw, sunk = (Judge(resting(allowed)).overlaps(at, upright(at)).deepest for allowed in (0.0, depth))
-    assert raw == pytest.approx(0.75 * depth, abs=2e-3) and sunk == pytest.approx(raw - 0.5 * depth, abs=PROMISE)
+    flat, sunk = (Judge(resting(allowed)).overlaps(at, upright(at)).deepest for allowed in (0.0, depth))
+    assert flat == pytest.approx(0.75 * depth, abs=2e-3) and sunk == pytest.approx(flat - 0.5 * depth, abs=PROMISE)
 
 
 def test_other_engines_leave_pairs_out_that_overlap_at_home():

@@ -54,7 +54,7 @@ def test_lines_bind_the_names_that_they_use(tmp_path: Path, setting: Setting) ->
     # a scene of PhysX is the reader's own: no run leaves one
     bound |= {"scene"} if setting.engine == "physx" else set()
     assert {node.id for node in names} <= bound | set(dir(builtins))
-    files = [node.value for node in nodes if isinstance(node, ast.Constant) and str(node.value).endswith(".gz")]
+    files = [str(node.value) for node in nodes if isinstance(node, ast.Constant) and str(node.value).endswith(".gz")]
     assert [(tmp_path / "native" / file).exists() for file in files] == [True] * (setting.engine in ENDINGS)
 
 

@@ -48,10 +48,10 @@ def test_every_link_leads_somewhere_and_every_page_is_linked(pages: dict[str, Pa
             assert not parts.scheme and not parts.netloc, (name, address)
             target = ((report / name).parent / unquote(parts.path)).resolve() if parts.path else (report / name).resolve()
             assert target.is_relative_to(report.resolve()) and target.is_file(), (name, address)
-            page = str(target.relative_to(report.resolve()))
+            path = str(target.relative_to(report.resolve()))
             if parts.fragment and not parts.fragment.startswith(("t=", "only=")):
-                assert parts.fragment in pages[page].ids, (name, address)
-            linked.add(page)
+                assert parts.fragment in pages[path].ids, (name, address)
+            linked.add(path)
     assert set(pages) <= linked
 
 

@@ -55,9 +55,10 @@ def test_a_file_that_contradicts_itself_is_named(folder: Path, kind: str, name: 
         shown(folder, NAME, [THEIRS])
 
 
+PIECES: tuple[object, ...] = (3, [{}], [{"kind": "sphere", "radius": -1.0} | AT_ORIGIN])
 CHANGES = (
     {"bodies": [3]}, {"gravity": [10**400, 0, 0]}, {"gravity": [1.0]}, {"schema_version": 2}, {"parents": [5]}, {"parents": "x"},
-    *({"bodies": [BODIES[0] | {"pieces": pieces}]} for pieces in (3, [{}], [{"kind": "sphere", "radius": -1.0} | AT_ORIGIN])),
+    *({"bodies": [BODIES[0] | {"pieces": pieces}]} for pieces in PIECES),
 )
 
 

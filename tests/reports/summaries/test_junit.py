@@ -8,10 +8,10 @@ from xml.etree import ElementTree
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reports.reading.load import Row
 from reports.summaries.junit import junit
 from reports.tables.checks import checks
 from reports.tables.run import read
+from runfiles.table import Row, Status
 from tests.reports.small_runs import MUJOCO, OURS, OVERLAP, figure, run_of
 
 Json = dict[str, object]
@@ -20,7 +20,7 @@ STATUSES = ("pass", "waived", "fail", "crashed", "not-measured", "refused", "inf
 TAGS = {"failures": "failure", "errors": "error", "skipped": "skipped"}
 
 
-def some(status: str, k: int, note: str = "") -> Row:
+def some(status: Status, k: int, note: str = "") -> Row:
     """Return a row of each status."""
     value = {"pass": 0.5, "waived": 1.5, "fail": 9.0, "info": 0.0}.get(status)
     bound, ceiling = (1.0, 2.0) if status in ("pass", "waived", "fail") else (None, None)
@@ -30,7 +30,7 @@ def some(status: str, k: int, note: str = "") -> Row:
 
 
 @given(st.lists(st.sampled_from(STATUSES), min_size=1, max_size=12))
-def test_counts_are_those_of_the_checks(statuses: Sequence[str]) -> None:
+def test_counts_are_those_of_the_checks(statuses: Sequence[Status]) -> None:
     found = checks(run_of([some(status, k) for k, status in enumerate(statuses)]))
     suite = ElementTree.fromstring(junit(found))
     parts = Counter(part.tag for case in suite for part in case)

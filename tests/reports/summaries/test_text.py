@@ -8,11 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reports import Judged, judged, terminal_summary
-from reports.reading.load import EngineNote, Row, Series
+from reports.reading.load import EngineNote, Series
 from reports.summaries.text import columns, engines, headline, markdown, terminal
 from reports.tables.checks import checks
 from reports.tables.losses import losses
 from reports.tables.run import Run
+from runfiles.table import Row, Status
 from tests.reports.small_runs import BULLET, MUJOCO, OURS, OVERLAP, RAW, figure, run_of
 
 Json = dict[str, object]
@@ -25,7 +26,7 @@ def both(run: Run) -> tuple[str, str]:
     return terminal(run, found.checks, [], found.losses), markdown(run, found.checks, [], found.losses, [])
 
 
-def some(*statuses: str) -> list[Row]:
+def some(*statuses: Status) -> list[Row]:
     """Return a check per status, each in its own scene."""
     values = {"pass": 0.0, "waived": 1.5, "fail": 9.0}
     return [figure(f"scene_{k}", OURS, OVERLAP, values[one], one, 1.0, 2.0) for k, one in enumerate(statuses)]
@@ -33,7 +34,7 @@ def some(*statuses: str) -> list[Row]:
 
 @settings(max_examples=30)
 @given(st.lists(st.sampled_from(["pass", "waived", "fail"]), min_size=1, max_size=9), st.booleans())
-def test_a_headline_says_pass_only_of_a_sound_run(statuses: Sequence[str], ended: bool) -> None:
+def test_a_headline_says_pass_only_of_a_sound_run(statuses: Sequence[Status], ended: bool) -> None:
     found = checks(run_of(some(*statuses), exit_code=0 if ended else None))
     words = headline(found).split()
     assert (words[0] == "PASS") == found.is_sound == ("fail" not in statuses and ended)

@@ -10,10 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reports.reading.load import Row, Series
+from reports.reading.load import Series
 from reports.tables.changes import TIME_FACTOR, Changes, against_baseline, changes, interval
 from reports.tables.run import Run
 from runfiles.metrics import METRICS, RANKED
+from runfiles.table import Row
 from tests.reports.small_runs import BULLET, HOST, MUJOCO, OURS, OVERLAP, figure, run_of, timed
 
 Times = Mapping[str, np.ndarray]

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reports.reading.load import Row
 from reports.tables.checks import Checks, checks, least_room
+from runfiles.table import Row, Status
 from tests.reports.small_runs import MUJOCO, OURS, OVERLAP, figure, run_of
 
 values = st.sampled_from([-1.0, 0.0, 0.5, 1.0, 1.5, 2.0, 3.0, math.nan, math.inf, -math.inf])
@@ -16,7 +16,7 @@ limits = st.tuples(st.sampled_from([0.0, 1.0]), st.none() | st.sampled_from([1.0
 gated = st.lists(st.tuples(values, limits), min_size=1, max_size=9)
 
 
-def outcome(value: float, bound: float, ceiling: float | None) -> str:
+def outcome(value: float, bound: float, ceiling: float | None) -> Status:
     """Return the outcome by definition: a pass needs a finite value within its bound."""
     if math.isfinite(value) and value <= bound:
         return "pass"

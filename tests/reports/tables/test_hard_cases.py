@@ -39,8 +39,8 @@ def test_summary_is_that_of_a_count_by_hand(tmp_path: Path, parts: list[Part]) -
         tried = [one for one in own if one.status == "info"]
         inside = [one for one in tried if one.figures["not_finite_frames"] == one.figures["wrong_side_frames"] == 0.0]
         assert row.trials == len(tried)
-        assert row.not_finite == sum(one.figures["not_finite_frames"] > 0 for one in tried)
-        assert row.left == sum(one.figures["wrong_side_frames"] > 0 for one in tried)
+        assert row.not_finite == sum((one.figures["not_finite_frames"] or 0.0) > 0 for one in tried)
+        assert row.left == sum((one.figures["wrong_side_frames"] or 0.0) > 0 for one in tried)
         anchored = any(one.change == "" for one in inside)
         expected = [
             most([one.figures["end_distance"] for one in inside]) if anchored else math.nan,

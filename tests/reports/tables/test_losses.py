@@ -6,9 +6,10 @@ from dataclasses import replace
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reports.reading.load import EngineNote, Row
+from reports.reading.load import EngineNote
 from reports.tables.losses import losses
 from runfiles.metrics import RANKED
+from runfiles.table import Row
 from tests.reports.small_runs import BULLET, MUJOCO, OURS, OVERLAP, RAW, figure, run_of
 
 METRICS = (OVERLAP, "course_error_max", "link_jump_max", "joint_limit_excess_max")
