@@ -5,7 +5,7 @@ it would crush something.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,7 +20,7 @@ from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial import rotation
 
-Pose = tuple[Sequence[float], Sequence[float]] | ArrayLike
+Pose = tuple[Iterable[float], Iterable[float]] | ArrayLike
 """A position [m] and an orientation (w, x, y, z), or the angles [rad] of hinges."""
 
 

@@ -11,7 +11,7 @@ from avatarsim.assets.models.doors import texts_of
 from avatarsim.assets.motions.load import load_motion
 from avatarsim.scene.joint import MANY_TURNS, Ball, Hinges
 from tests.assets.motions.files import ASF, WALKER, amc, bvh
-from tests.assets.motions.robots import saved
+from tests.assets.motions.robots import driven, saved
 
 URDF = """<robot name="two">
 <link name="base">
@@ -126,7 +126,7 @@ def test_what_is_left_out_of_a_model_has_its_default(tmp_path: Path) -> None:
     assert urdf is not None and urdf.links[0].mass.mass == 2.0
     joint = urdf.links[1].joint
     assert isinstance(joint, Hinges) and (joint.hinges[0].lower, joint.hinges[0].upper) == (-1.0, 1.5)
-    found = av.load_avatar(written(tmp_path, "urdf", URDF.replace(' lower="-1.0" upper="1.5"', ""))).avatar
+    found = driven(av.load_avatar(written(tmp_path, "urdf", URDF.replace(' lower="-1.0" upper="1.5"', "")))).avatar
     joint = found.links[1].joint
     assert isinstance(joint, Hinges) and (joint.hinges[0].lower, joint.hinges[0].upper) == (-MANY_TURNS, MANY_TURNS)
     massless = av.load_avatar(written(tmp_path, "urdf", URDF.replace('<mass value="2.0"/>', '<mass value="0"/>')))
@@ -135,7 +135,7 @@ def test_what_is_left_out_of_a_model_has_its_default(tmp_path: Path) -> None:
     without = av.load_avatar(written(tmp_path, "urdf", inferred)).avatar
     # from the density of water
     assert without is not None and without.links[0].mass.mass == pytest.approx(massless.avatar.links[0].mass.mass, rel=0.02)
-    free = av.load_avatar(written(tmp_path, "xml", MJCF.replace(' range="-60 90"', "").replace("0 40", "0 0"))).avatar
+    free = driven(av.load_avatar(written(tmp_path, "xml", MJCF.replace(' range="-60 90"', "").replace("0 40", "0 0")))).avatar
     joint, ball = free.links[1].joint, free.links[2].joint
     assert isinstance(joint, Hinges) and joint.hinges[0].upper - joint.hinges[0].lower > MANY_TURNS
     assert isinstance(ball, Ball) and ball.limits is None

@@ -43,7 +43,7 @@ def test_links_go_no_deeper_than_at_home(kind: int) -> None:
     still = into == 0.0
     assert still.sum() > 15 and not done.changed[: int(np.flatnonzero(~still)[0]) - 4].any()
     shown = [done.motion.sample(frame) for frame in range(60)]
-    assert depth_by_directions(model.avatar, shown) <= home + 2e-4 + 1e-6 and HOME > 0.0
+    assert model.avatar and depth_by_directions(model.avatar, shown) <= home + 2e-4 + 1e-6 and HOME > 0.0
 
 
 @pytest.mark.parametrize("rates", [None, 8.0])

@@ -80,4 +80,4 @@ def test_poses_at_other_times_and_other_bodies_are_refused() -> None:
     with pytest.raises(InvalidInput, match="shapes of the motion"):
         Carried(box.body, motion)
     with pytest.raises(InvalidInput, match="what is carried"):
-        audit(motion, model(), (), OPTIONS, (box.body,))
+        audit(motion, model(), (), OPTIONS, (box.body,))  # type: ignore[arg-type]

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import avatarsim as av
-from avatarsim.assets.models.model import Model
 from avatarsim.errors import InvalidScene
 from avatarsim.scene.joint import LONGEST_SLIDE
+from tests.assets.motions.robots import Driven, driven
 
 WIDTH, OPEN, MARGIN = 0.03, 0.04, 1e-3
 """[m] width of the box between the fingers, way of an open finger, and gap that a Shield keeps by default."""
@@ -27,11 +27,11 @@ size="0.03"/><body name="hand" pos="0.25 0 0"><joint name="wrist" axis="0 0 1" r
 CLOSES = np.concatenate([np.linspace(OPEN, 0.0, 40), np.zeros(30), np.linspace(0.0, OPEN, 30)])
 
 
-def loaded(folder: Path, text: str = ARM) -> Model:
+def loaded(folder: Path, text: str = ARM) -> Driven:
     """Return the model of a text; by default an arm of four hinges with two fingers, straight along x, 2 mm apart when closed."""
     path = folder / "model.xml"
     path.write_text(text, encoding="utf-8")
-    return av.load_avatar(path)
+    return driven(av.load_avatar(path))
 
 
 def box(aside: float = 0.0) -> av.Body:

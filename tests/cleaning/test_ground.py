@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from avatarsim.assets.models.load import load_avatar
+from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions.load import load_motion
 from avatarsim.cleaning import Options, audit, clean
 from avatarsim.cleaning.ground import ground_of, raised
@@ -17,7 +18,7 @@ from tests.cleaning.rooms import FLOOR, lowered, model, part, swinging
 OPTIONS = Options(opinion=False)
 
 
-def walk(height: float) -> tuple[object, Motion]:
+def walk(height: float) -> tuple[Model, Motion]:
     human = load_avatar(data_file("humanoid/humanoid.urdf"), scale=0.25)
     motion = load_motion(data_file("data/motions/humanoid3d_walk.txt")).motion(human)
     return human, lowered(motion, np.full(len(motion), height))

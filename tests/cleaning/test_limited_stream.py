@@ -255,7 +255,7 @@ def test_urdf_velocities_are_the_default_limits_of_speed(tmp_path: Path) -> None
     model = urdf(tmp_path, "0.5", "1.25")
     given = driven(model, 60, RATE, 15, 1.5, 1)
     for limits, speed in (("file", (0.5, 1.25)), ({"j1": 3.0}, (0.5, 3.0)), (None, None)):
-        shield = Shield(model, (), RATE, speed_limits=limits)  # type: ignore[arg-type]
+        shield = Shield(model, (), RATE, speed_limits=limits)
         fastest, _ = largest_rates(model, np.array([shield(q) for q in given]), RATE)
         assert fastest == pytest.approx(speed, rel=1e-5) if speed else (fastest > 5.0).all()
 

@@ -28,7 +28,7 @@ def test_a_reference_posture_changes_nothing_and_stays() -> None:
         assert np.allclose(getattr(cleaned.motion, name)[1:], getattr(plain.motion, name), rtol=0.0, atol=1e-9)
     assert np.array_equal(cleaned.changed[1:], plain.changed) and not cleaned.changed[0]
     assert [(run.first - 1, run.last - 1) for run in cleaned.flagged] == [(run.first, run.last) for run in plain.flagged]
-    assert cleaned.before.deepest_frame == plain.before.deepest_frame + 1
+    assert plain.before.deepest_frame is not None and cleaned.before.deepest_frame == plain.before.deepest_frame + 1
     assert len(cleaned.after.depths) == 61 and len(cleaned.after.proven) == 60
 
 

@@ -8,13 +8,13 @@ from avatarsim.cleaning import Options, Shield
 from avatarsim.cleaning.chords import Chords, certified, scene_of
 from avatarsim.errors import InvalidInput
 from avatarsim.spatial import rotation
+from tests.assets.motions.robots import driven
 from tests.cleaning.rooms import FLOOR, RATE, lowered, model, swinging, walker
 
 
 def rows(heights: np.ndarray) -> np.ndarray:
     """Return coordinates (F, 12) of the swinging walker at these heights."""
-    coordinates = model().coordinates
-    return coordinates.rows(lowered(swinging(len(heights), 0.0), heights))
+    return driven(model()).coordinates.rows(lowered(swinging(len(heights), 0.0), heights))
 
 
 def test_what_comes_out_is_free_and_free_input_stays() -> None:

@@ -10,7 +10,7 @@ from avatarsim.assets.models.model import Model
 from avatarsim.cleaning import Audit, Cleaned, Options, audit, clean
 from avatarsim.errors import InvalidInput, StartOverlaps
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import fixed, simulated, solid
+from avatarsim.scene.body import Body, fixed, simulated, solid
 from avatarsim.scene.joint import Hinge, Hinges
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
@@ -24,7 +24,7 @@ from tests.cleaning.rooms import FLOOR, dipping, lowered, model, swinging, walke
 OPTIONS = Options(opinion=False)
 
 
-def require_clean(cleaned: Cleaned, *bodies: object) -> None:
+def require_clean(cleaned: Cleaned, *bodies: Body) -> None:
     """Nothing overlaps, by our own proof and by the judge that shares no code with it."""
     assert cleaned.after.is_clean and cleaned.after.unproven == 0 and cleaned.after.limit_excess <= 1e-9
     plain = tuple(replace(body, material="wood") for body in bodies)
@@ -47,7 +47,7 @@ def same(one: Motion, other: Motion) -> np.ndarray:
 
 
 def test_a_dip_into_the_floor_is_lifted_and_the_rest_stays() -> None:
-    motion, told = dipping(), []
+    motion, told = dipping(), list[float]()
     cleaned = clean(motion, model(), (FLOOR,), OPTIONS, told.append)
     require_clean(cleaned, FLOOR)
     assert cleaned.before.overlapping > 5 and cleaned.before.deepest > 0.01
@@ -233,7 +233,7 @@ def test_what_is_no_motion_of_the_avatar_is_refused_by_frame() -> None:
         clean(Motion(motion.times, motion.positions, rotations, motion.angles), model())
     for name, value in (("margin", 0.0), ("margin", float("nan")), ("blend", -0.1), ("blend", 3.0)):
         with pytest.raises(InvalidInput, match=name):
-            Options(**{name: value})
+            Options(**{name: value})  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("frames", [1, 2, 3])

@@ -1,5 +1,6 @@
 """CoACD in its own process: the same bits again, no output, and errors that state the cause. (A small L: a second each.)"""
 
+import subprocess
 import sys
 from dataclasses import replace
 
@@ -46,16 +47,16 @@ def test_a_process_that_dies_is_an_error_with_its_last_words(monkeypatch: pytest
 
 def test_a_stop_by_the_user_ends_the_process(monkeypatch: pytest.MonkeyPatch) -> None:
     started = []
-    real = decompose.subprocess.Popen
+    real = subprocess.Popen
 
-    def remembered(*words: object, **options: object) -> object:
-        started.append(real(*words, **options))  # type: ignore[call-overload]
+    def remembered(*words, **options):
+        started.append(real(*words, **options))
         return started[-1]
 
     def stopped(self: Progress, share: float, what: str) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(decompose.subprocess, "Popen", remembered)
+    monkeypatch.setattr(subprocess, "Popen", remembered)
     monkeypatch.setattr(Progress, "step", stopped)
     script = "import time\nprint('mesh 0', flush=True)\ntime.sleep(600)"
     with pytest.raises(KeyboardInterrupt):

@@ -8,7 +8,7 @@ from avatarsim.assets.meshes.mesh_queries import point_triangle
 from avatarsim.errors import InvalidShape
 from tests.assets.meshes.solids import channel, cube, ell, torus
 
-CLOUD = np.array([[1.0, 2.0, 0.5] * p / np.linalg.norm(p) for p in np.random.default_rng(5).normal(size=(200, 3))])
+CLOUD = np.array([np.array([1.0, 2.0, 0.5]) * p / np.linalg.norm(p) for p in np.random.default_rng(5).normal(size=(200, 3))])
 
 
 def test_distances_against_every_facet() -> None:

@@ -16,10 +16,15 @@ from avatarsim.errors import InvalidFile, MissingPackage
 from tests.assets.meshes.solids import cube, ell, obj_text
 
 
+def exported(kind):
+    """Return the content of a file, or the contents of several by their names, as trimesh writes the L."""
+    return trimesh.Trimesh(*ell(), process=False).export(file_type=kind)
+
+
 @pytest.mark.parametrize("ending", [".obj", *BY_TRIMESH])
 def test_every_format_gives_the_same_solid(ending: str, tmp_path: Path) -> None:
     path = tmp_path / f"ell{ending}"
-    written = trimesh.Trimesh(*ell(), process=False).export(file_type=ending[1:])
+    written = exported(ending[1:])
     files = written if isinstance(written, dict) else {path.name: written}
     for name, content in files.items():
         (tmp_path / name).write_bytes(content.encode() if isinstance(content, str) else content)
@@ -49,7 +54,7 @@ def test_a_broken_file_is_refused_by_name(ending: str, content: bytes, tmp_path:
 
 
 def test_collada_comes_in_metres_and_keeps_its_axes(tmp_path: Path) -> None:
-    content = trimesh.Trimesh(*ell(), process=False).export(file_type="dae").decode()
+    content = exported("dae").decode()
     path = tmp_path / "ell.dae"
     stated = '<asset><unit name="inch" meter="0.0254"/><up_axis>Y_UP</up_axis>'
     path.write_text(re.sub("<asset>.*?</asset>", f"{stated}</asset>", content, flags=re.DOTALL), encoding="utf-8")
@@ -64,7 +69,7 @@ def test_collada_comes_in_metres_and_keeps_its_axes(tmp_path: Path) -> None:
     ("</COLLADA>", 9 * '<instance_node url="#a"/>' + "</COLLADA>", "instances of nodes"),
 ])
 def test_collada_of_unknown_origin_is_looked_at_first(before: str, after: str, thing: str, tmp_path: Path) -> None:
-    content = trimesh.Trimesh(*ell(), process=False).export(file_type="dae").decode()
+    content = exported("dae").decode()
     path = tmp_path / "ell.dae"
     path.write_text(content.replace(before, after), encoding="utf-8")
     with pytest.raises(InvalidFile) as refused:
@@ -73,13 +78,12 @@ def test_collada_of_unknown_origin_is_looked_at_first(before: str, after: str, t
 
 
 def test_stl_that_is_cut_off_says_so(tmp_path: Path) -> None:
-    solid, path = trimesh.Trimesh(*ell(), process=False), tmp_path / "cut.stl"
-    content = solid.export(file_type="stl")
+    content, path = exported("stl"), tmp_path / "cut.stl"
     for size in (10, 83, 84, 100, len(content) - 1):
         path.write_bytes(content[:size])
         with pytest.raises(InvalidFile, match=rf"length of cut\.stl \[bytes\] is {size}; valid: ({len(content)}|84)"):
             read_mesh(path)
-    text = solid.export(file_type="stl_ascii")
+    text = exported("stl_ascii")
     for part in (text[: len(text) // 2], text.rsplit("endsolid", 1)[0], text + text[: len(text) // 2]):
         path.write_text(part, encoding="utf-8")
         with pytest.raises(InvalidFile, match=r"end of cut\.stl is 'cut off within a solid'; valid: endsolid"):
@@ -88,7 +92,7 @@ def test_stl_that_is_cut_off_says_so(tmp_path: Path) -> None:
 
 def test_a_name_in_any_encoding_does_not_spoil_an_stl_text(tmp_path: Path) -> None:
     path = tmp_path / "named.stl"
-    text = trimesh.Trimesh(*ell(), process=False).export(file_type="stl_ascii")
+    text = exported("stl_ascii")
     path.write_bytes(text.replace("solid", "solid caf\xe9", 1).encode("latin-1"))
     assert len(read_mesh(path).triangles) == len(ell()[1])
 
@@ -123,7 +127,7 @@ def test_what_is_no_regular_file_or_too_large_is_refused_at_once(ending: str, tm
 
 @pytest.mark.parametrize("named", ["pipe.bin", "../pipe.bin", "/dev/zero"])
 def test_what_a_gltf_names_is_a_regular_file_beside_it(named: str, tmp_path: Path) -> None:
-    files = trimesh.Trimesh(*ell(), process=False).export(file_type="gltf")
+    files = exported("gltf")
     (text,) = (json.loads(content) for name, content in files.items() if name.endswith(".gltf"))
     text["buffers"][0]["uri"] = named
     folder = tmp_path / "folder"

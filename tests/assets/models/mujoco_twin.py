@@ -12,6 +12,7 @@ from avatarsim.assets.models.model import Model
 from avatarsim.scene.joint import Rigid
 from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
+from tests.assets.motions.robots import Driven, driven
 
 Array = NDArray[np.float64]
 FREE, BALL, SLIDE, HINGE = range(4)
@@ -36,7 +37,7 @@ class Twin:
         found = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, name)
         return found if found >= 0 or name == "root" else int(name.split()[1])
 
-    def row(self, model: Model, rng: np.random.Generator) -> Array:
+    def row(self, model: Driven, rng: np.random.Generator) -> Array:
         """Return a posture within the file's limits, in the avatar's coordinates; fixed joints are at the reference."""
         row: list[float] = []
         for slot in model.coordinates.slots:
@@ -50,7 +51,7 @@ class Twin:
                 row += [*(rng.normal(size=3) if slot.kind == "free" else ()), *rotation.normalised(rng.normal(size=4))]
         return np.array(row)
 
-    def poses(self, model: Model, row: Array) -> tuple[dict[str, Array], dict[str, Array]]:
+    def poses(self, model: Driven, row: Array) -> tuple[dict[str, Array], dict[str, Array]]:
         """Return MuJoCo's position (3,) [m] and orientation (4,) of each body's link frame in the posture of a row."""
         self.data.qpos[:] = self.model.qpos0
         at, base = 0, (np.zeros(3), np.array(rotation.IDENTITY))
@@ -83,7 +84,7 @@ class Twin:
 
 def greatest_difference(twin: Twin, model: Model, postures: int, seed: int = 0) -> float:
     """Return the largest difference of a link [m], or in a component of a quaternion, from MuJoCo's body in random postures."""
-    rng, worst = np.random.default_rng(seed), 0.0
+    model, rng, worst = driven(model), np.random.default_rng(seed), 0.0
     for _ in range(postures):
         row = twin.row(model, rng)
         motion = model.coordinates.motion(row[None], np.zeros(1))

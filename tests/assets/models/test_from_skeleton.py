@@ -10,6 +10,7 @@ from avatarsim.assets.models.from_skeleton import human
 from avatarsim.assets.models.skeleton import Bone, Skeleton
 from avatarsim.scene.written import written
 from tests.assets.models.recorded import BALL, XYZ, clip, human_skeleton
+from tests.assets.motions.robots import driven
 
 SKELETON = human_skeleton()
 
@@ -28,7 +29,7 @@ def test_joints_are_the_skeletons_and_masses_a_bodys() -> None:
 
 
 def test_capsules_lie_between_joints_and_end_at_tips() -> None:
-    avatar = human(SKELETON, 1.7, clip(SKELETON, {})).avatar
+    avatar = driven(human(SKELETON, 1.7, clip(SKELETON, {}))).avatar
     links = {link.name: link for link in avatar.links}
     (shank,) = links["LeftLeg"].pieces
     assert isinstance(shank.shape, av.Capsule) and shank.shape.length == pytest.approx(0.41)
@@ -43,7 +44,7 @@ def test_capsules_lie_between_joints_and_end_at_tips() -> None:
 
 
 def test_pairs_that_overlap_when_standing_may_be_no_deeper() -> None:
-    model = human(SKELETON, 1.7, clip(SKELETON, {}))
+    model = driven(human(SKELETON, 1.7, clip(SKELETON, {})))
     pairs = {pair[:2] for pair in model.avatar.at_rest}
     assert ("Hips", "Neck") not in pairs and ("Spine", "LeftArm") in pairs and not model.avatar.ignore
     assert not {"LeftHand", "LeftFoot"} & {name for pair in pairs for name in pair}
@@ -70,7 +71,7 @@ def test_hinges_and_rigid_joints_keep_their_order() -> None:
     bones[at["LeftLeg"]] = replace(bones[at["LeftLeg"]], axes=(BALL[2], BALL[1]), turns=("z", "y"))
     bones[at["LeftHand"]] = replace(bones[at["LeftHand"]], axes=(), turns=())
     skeleton = Skeleton("human", tuple(bones))
-    model = human(skeleton, 1.7, clip(skeleton, {}), limits=False)
+    model = driven(human(skeleton, 1.7, clip(skeleton, {}), limits=False))
     knee = model.avatar.links[at["LeftLeg"]].joint
     assert knee == av.Hinges((av.Hinge(BALL[2]), av.Hinge(BALL[1]))) and model.avatar.links[at["LeftHand"]].joint == av.Rigid()
     assert [name for name in model.coordinates.names if "LeftLeg" in name] == ["LeftLeg z", "LeftLeg y"]

@@ -12,6 +12,7 @@ from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
 from avatarsim.scene.joint import LONGEST_SLIDE, MANY_TURNS, Ball, Free, Hinge, Hinges, Rigid, Slide, axes_of
 from avatarsim.spatial import rotation
 from tests.assets.models.mujoco_twin import Twin, greatest_difference
+from tests.assets.motions.robots import driven
 
 GEOM = '<geom type="sphere" size="0.02"/>'
 
@@ -51,7 +52,7 @@ def test_random_trees_are_where_mujoco_has_them(seed: int, tmp_path: Path) -> No
     while body.count("<joint") < 8:
         body = random_tree(rng)
     path = written(tmp_path, body)
-    model = av.load_avatar(path, size_range=(0.0, 1e3))
+    model = driven(av.load_avatar(path, size_range=(0.0, 1e3)))
     assert greatest_difference(Twin(path), model, 10, seed) <= 1e-12
 
 
@@ -59,7 +60,7 @@ def test_hinges_about_one_centre_are_one_joint(tmp_path: Path) -> None:
     joint = '<joint pos="0 0 {}" axis="{}"/>'
     axes = ("1 0 0", "0 1 0", "0 0 1", "1 1 0")
     joints = "".join(joint.format(z, axis) for z, axis in zip((0.1, 0.1, 0.1, 0.3), axes, strict=True))
-    model = av.load_avatar(written(tmp_path, f'<body name="arm">{joints}{GEOM}</body>'))
+    model = driven(av.load_avatar(written(tmp_path, f'<body name="arm">{joints}{GEOM}</body>')))
     first, arm = model.avatar.links
     assert isinstance(first.joint, Hinges) and isinstance(arm.joint, Hinges)
     assert (len(first.joint.hinges), len(arm.joint.hinges)) == (3, 1)
@@ -69,7 +70,7 @@ def test_hinges_about_one_centre_are_one_joint(tmp_path: Path) -> None:
 
 def test_limits_count_from_the_reference(tmp_path: Path) -> None:
     joints = '<joint name="a" axis="1 0 0" range="0.5 2" ref="1"/><joint name="b" axis="0 1 0"/>'
-    model = av.load_avatar(written(tmp_path, f"<body>{joints}{GEOM}</body>"))
+    model = driven(av.load_avatar(written(tmp_path, f"<body>{joints}{GEOM}</body>")))
     joint = model.avatar.links[0].joint
     assert isinstance(joint, Hinges)
     assert [(hinge.lower, hinge.upper) for hinge in joint.hinges] == [(-0.5, 1.0), (-MANY_TURNS, MANY_TURNS)]
@@ -82,7 +83,7 @@ def test_limits_count_from_the_reference(tmp_path: Path) -> None:
 def test_a_ball_stays_within_mujocos_angle_and_reaches_it(widest: float, tmp_path: Path) -> None:
     geom = '<geom type="sphere" size="0.02" pos="0.1 0.2 0"/>'
     body = f'<body quat="0.5 0.5 0.5 0.5"><joint type="ball" range="0 {widest}"/>{geom}</body>'
-    model = av.load_avatar(written(tmp_path, body))
+    model = driven(av.load_avatar(written(tmp_path, body)))
     joint = model.avatar.links[0].joint
     assert isinstance(joint, Ball) and joint.limits is not None
     swing, twist = joint.limits.swing, joint.limits.twist[1]
@@ -96,7 +97,7 @@ def test_a_ball_stays_within_mujocos_angle_and_reaches_it(widest: float, tmp_pat
 
 @pytest.mark.parametrize("limit", ["", 'range="0 3.2"'])
 def test_a_ball_without_a_limit_has_none(limit: str, tmp_path: Path) -> None:
-    model = av.load_avatar(written(tmp_path, f'<body><joint type="ball" {limit}/>{GEOM}</body>'))
+    model = driven(av.load_avatar(written(tmp_path, f'<body><joint type="ball" {limit}/>{GEOM}</body>')))
     assert model.avatar is not None and model.avatar.links[0].joint == Ball()
 
 
@@ -107,15 +108,15 @@ SLIDE = (
 
 
 def test_a_slide_is_a_joint_with_limits_in_metres(tmp_path: Path) -> None:
-    model = av.load_avatar(written(tmp_path, SLIDE))
+    model = driven(av.load_avatar(written(tmp_path, SLIDE)))
     assert model.avatar.links[0].joint == Slide((1.0, 0.0, 0.0), -1.0, 1.0)
     assert [slot.kind for slot in model.coordinates.slots] == ["slide", "hinge"]
-    unlimited = av.load_avatar(written(tmp_path, SLIDE.replace('range="-1 1"', "")))
+    unlimited = driven(av.load_avatar(written(tmp_path, SLIDE.replace('range="-1 1"', ""))))
     assert unlimited.avatar.links[0].joint == Slide((1.0, 0.0, 0.0), -LONGEST_SLIDE, LONGEST_SLIDE)
 
 
 def test_a_slide_may_be_fixed_at_the_reference(tmp_path: Path) -> None:
-    model = av.load_avatar(written(tmp_path, SLIDE), fix=("rail",))
+    model = driven(av.load_avatar(written(tmp_path, SLIDE), fix=("rail",)))
     assert isinstance(model.avatar.links[0].joint, Rigid) and model.said
     # its column stays at its place in the file, and has the reference again when written
     motion = model.coordinates.motion(np.array([[0.5, 0.25]]), np.zeros(1))
@@ -134,10 +135,11 @@ def coupled(folder: Path, *equalities: str, limits: str = "") -> Path:
 
 def test_a_coupled_joint_follows_counted_from_the_reference(tmp_path: Path) -> None:
     path = coupled(tmp_path, "ba 0.3 2 0 0 0")
-    model = av.load_avatar(path)
+    model = driven(av.load_avatar(path))
     assert model.avatar.couplings == (av.Coupling(1, 0, 2.0, 0.3),)
     mujoco_model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(mujoco_model)
+    assert model.start is not None
     q = model.coordinates.rows(replace(model.coordinates.motion(np.zeros((1, 4)), np.zeros(1)), angles=model.start.angles[None]))
     data.qpos[:] = q[0]
     mujoco.mj_forward(mujoco_model, data)
@@ -154,7 +156,7 @@ def test_a_coupled_joint_follows_counted_from_the_reference(tmp_path: Path) -> N
 def test_couplings_in_a_row_or_a_ring_follow_the_first_joint(
     equalities: tuple[str, ...], couplings: dict[int, tuple[int, float, float]], tmp_path: Path
 ) -> None:
-    model = av.load_avatar(coupled(tmp_path, *equalities))
+    model = driven(av.load_avatar(coupled(tmp_path, *equalities)))
     found = {one.follower: (one.leader, one.ratio, one.offset) for one in model.avatar.couplings}
     assert found.keys() == couplings.keys()
     for follower, wanted in couplings.items():
@@ -163,9 +165,9 @@ def test_couplings_in_a_row_or_a_ring_follow_the_first_joint(
 
 def test_a_joint_coupled_to_nothing_or_what_is_fixed_is_fixed(tmp_path: Path) -> None:
     body = f'<body><joint name="a" axis="0 1 0"/>{GEOM}<body pos="0.2 0 0"><joint name="b" axis="0 1 0"/>{GEOM}</body></body>'
-    alone = av.load_avatar(written(tmp_path, body, '<equality><joint joint1="b" polycoef="0.2 0 0 0 0"/></equality>'))
+    alone = driven(av.load_avatar(written(tmp_path, body, '<equality><joint joint1="b" polycoef="0.2 0 0 0 0"/></equality>')))
     assert alone.avatar.couplings == () and alone.avatar.links[1].joint == Hinges((Hinge((0.0, 1.0, 0.0), 0.2, 0.2),))
-    led = av.load_avatar(coupled(tmp_path, "ba 0.3 2 0 0 0", "cb 0 1 0 0 0"), fix=("b",))
+    led = driven(av.load_avatar(coupled(tmp_path, "ba 0.3 2 0 0 0", "cb 0 1 0 0 0"), fix=("b",)))
     joints = [link.joint for link in led.avatar.links]
     assert led.avatar.couplings == () and isinstance(joints[1], Rigid)
     # the leader of the fixed joint still moves, and its followers are fixed
@@ -173,7 +175,7 @@ def test_a_joint_coupled_to_nothing_or_what_is_fixed_is_fixed(tmp_path: Path) ->
 
 
 def test_limits_of_a_follower_narrow_its_leaders(tmp_path: Path) -> None:
-    model = av.load_avatar(coupled(tmp_path, "da 0 -2 0 0 0", limits="-0.1 0.7"))
+    model = driven(av.load_avatar(coupled(tmp_path, "da 0 -2 0 0 0", limits="-0.1 0.7")))
     leader, follower = (axes_of(model.avatar.links[k].joint)[0] for k in (0, 3))
     assert (leader.lower, leader.upper) == pytest.approx((-0.3, 0.1))
     assert (follower.lower, follower.upper) == pytest.approx((-0.2, 0.6))
@@ -188,8 +190,8 @@ def test_refuses_curved_and_contradicting_couplings(equalities: tuple[str, ...],
 
 
 def test_a_joint_that_follows_a_curve_may_be_fixed(tmp_path: Path) -> None:
-    model = av.load_avatar(coupled(tmp_path, "ba 0 1 0.5 0 0"), fix="all")
-    assert model.coordinates is not None and model.coordinates.hinges == 3 and model.avatar.couplings == ()
+    model = driven(av.load_avatar(coupled(tmp_path, "ba 0 1 0.5 0 0"), fix="all"))
+    assert model.coordinates.hinges == 3 and model.avatar.couplings == ()
 
 
 @pytest.mark.parametrize(("file", "root", "is_free"), [
@@ -198,18 +200,18 @@ def test_a_joint_that_follows_a_curve_may_be_fixed(tmp_path: Path) -> None:
 def test_the_root_moves_as_asked(file: str, root: str, is_free: bool, tmp_path: Path) -> None:
     free = "<freejoint/>" if file == "free" else ""
     path = written(tmp_path, f'<body pos="0 0 1">{free}{GEOM}<body name="arm"><joint name="a"/>{GEOM}</body></body>')
-    model = av.load_avatar(path, root=root)
+    model = driven(av.load_avatar(path, root=root))
     assert isinstance(model.avatar.links[0].joint, Free) == is_free
     assert model.coordinates.width == (8 if is_free or file == "free" else 1)
     if root == "free":
-        assert model.start.positions[0, 2] == 1.0
+        assert model.start is not None and model.start.positions[0, 2] == 1.0
     else:
         assert greatest_difference(Twin(path), model, 3) <= 1e-12
 
 
 def test_a_free_root_with_joints_of_its_own_gets_a_link_above(tmp_path: Path) -> None:
     path = written(tmp_path, f'<body name="top"><joint name="a"/>{GEOM}</body>')
-    model = av.load_avatar(path, root="free")
+    model = driven(av.load_avatar(path, root="free"))
     assert model.avatar is not None and [type(link.joint) for link in model.avatar.links] == [Free, Hinges]
     assert model.avatar.links[1].name == "top"
 
@@ -225,7 +227,7 @@ FIXED = '<link name="world"/><joint name="j" type="fixed"><parent link="world"/>
 def test_the_root_of_urdf_is_free_unless_the_file_fixes_it(tmp_path: Path) -> None:
     path = tmp_path / "robot.urdf"
     path.write_text(URDF.format(world=""), encoding="utf-8")
-    model = av.load_avatar(path)
+    model = driven(av.load_avatar(path))
     assert model.avatar is not None and isinstance(model.avatar.links[0].joint, Free) and model.avatar.name == "r"
     path.write_text(URDF.format(world=FIXED), encoding="utf-8")
     with pytest.raises(InvalidFile, match=r"joints of robot\.urdf is 0; .*load_room.*root=\"free\""):

@@ -1,6 +1,7 @@
 """Contents of one file: the requested avatar, loose and fixed bodies with their masses, rooms from other files."""
 
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -14,6 +15,7 @@ from avatarsim.spatial import rotation
 from tests.assets.meshes.solids import cube, ell, obj_text
 from tests.assets.models.mujoco_twin import Twin, greatest_difference
 from tests.assets.models.test_links_of_tree import GEOM, written
+from tests.assets.motions.robots import driven
 from tests.own_cache import keep_pieces_in
 
 TWO = (
@@ -73,7 +75,7 @@ def test_masses_are_mujocos_also_of_bodies_put_together(tmp_path: Path) -> None:
     data = mujoco.MjData(compiled)
     mujoco.mj_forward(compiled, data)
     (cup,) = model.bodies
-    assert cup.mass.mass == pytest.approx(compiled.body_subtreemass[2], rel=1e-12)
+    assert cup.mass is not None and cup.mass.mass == pytest.approx(compiled.body_subtreemass[2], rel=1e-12)
     where = np.array(cup.position) + rotation.rotate(cup.orientation, cup.mass.centre)
     np.testing.assert_allclose(where, data.subtree_com[2], atol=1e-12)
     # the inertia about the body's own origin, as MuJoCo sums it over the tree (spatial inertia about the centre of mass)
@@ -82,14 +84,14 @@ def test_masses_are_mujocos_also_of_bodies_put_together(tmp_path: Path) -> None:
     x, y, z, xy, xz, yz = np.asarray(data.crb[2])[:6]
     theirs = np.array([[x, xy, xz], [xy, y, yz], [xz, yz, z]])
     np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-9)
-    hand = model.avatar.links[0].mass
+    hand = driven(model).avatar.links[0].mass
     np.testing.assert_allclose(hand.centre, compiled.body_ipos[1] - np.array([0.1, 0.2, 0.3]), atol=1e-12)
     np.testing.assert_allclose(np.linalg.eigvalsh(hand.inertia), np.sort(compiled.body_inertia[1]), rtol=1e-9)
 
 
 def test_links_without_mass_get_that_of_water_or_a_gram(tmp_path: Path) -> None:
     body = f'<body name="a"><joint/>{GEOM}<body name="frame"><geom size="0.1" mass="0"/><body name="mount"/></body></body>'
-    model = av.load_avatar(written(tmp_path, body))
+    model = driven(av.load_avatar(written(tmp_path, body)))
     assert model.avatar.links[1].mass.mass == pytest.approx(1000.0 * 4.0 / 3.0 * np.pi * 1e-3)
     assert model.avatar.links[2].mass.mass == 1e-3
 
@@ -119,7 +121,7 @@ def test_rooms_from_meshes_and_the_word_floor(tmp_path: Path, monkeypatch: pytes
     room = av.load_room(tmp_path / "ell.obj", scale=0.5)
     (body,) = room.bodies
     assert body.name == "ell" and body.role is Role.FIXED and len(body.pieces) >= 2
-    ((vertices, triangles),) = room.visuals["ell"]
+    ((vertices, triangles),) = dict[str, Any](room.visuals)["ell"]
     assert vertices.max() == 1.5 and len(triangles) == len(ell()[1])
     for ending in ("stl", "ply", "glb"):
         path = tmp_path / f"cube.{ending}"

@@ -8,6 +8,7 @@ import pytest
 import avatarsim as av
 from avatarsim.assets.models.model import beside
 from tests.assets.models.test_links_of_tree import written
+from tests.assets.motions.robots import Driven, driven
 
 FLOOR = '<geom name="floor" type="plane" size="1 1 1"/>'
 ARM = (
@@ -21,14 +22,14 @@ HANDLE = '<body name="handle" pos="1.45 0 .6"><freejoint/><geom size=".02"/></bo
 WELDS = '<equality><weld body1="wrist" body2="tool"/><weld body1="handle" body2="door"/></equality>'
 
 
-def model_of(folder: Path, rest: str = WELDS) -> av.Model:
+def model_of(folder: Path, rest: str = WELDS) -> Driven:
     """Return the arm with its tool, the door with its handle."""
-    return av.load_avatar(written(folder, ARM + TOOL + DOOR + HANDLE + FLOOR, rest))
+    return driven(av.load_avatar(written(folder, ARM + TOOL + DOOR + HANDLE + FLOOR, rest)))
 
 
 def test_a_mocap_body_follows_its_pose_with_what_is_welded_to_it(tmp_path: Path) -> None:
     model = model_of(tmp_path)
-    assert [one.name for one in model.moving] == ["door"]
+    assert [one.name for one in model.moving] == ["door"] and model.start is not None
     scene = model.scene()
     with av.AvatarsimEngine() as engine:
         engine.load(scene, av.Settings(), 1 / 60)
@@ -58,7 +59,7 @@ def test_refuses_a_welded_tool_that_starts_in_something_fixed(tmp_path: Path) ->
         av.load_avatar(written(tmp_path, ARM + TOOL + shelf, weld))
     assert [set(pair[:2]) for pair in error.value.pairs] == [{"shelf", "tool"}]
     low = TOOL.replace(".575", ".565")
-    model = av.load_avatar(written(tmp_path, ARM + low, weld))
+    model = driven(av.load_avatar(written(tmp_path, ARM + low, weld)))
     assert {frozenset(pair) for pair in model.exclude} >= {frozenset(("tool", f"{model.avatar.name}/wrist"))}
     assert next(body for body in model.bodies if body.name == "tool").position == (0.5, 0.0, 0.565)
 
@@ -69,6 +70,7 @@ def test_a_tool_whose_free_avatar_is_raised_goes_up_with_it(tmp_path: Path) -> N
     weld = '<equality><weld body1="man" body2="hat"/></equality>'
     model = av.load_avatar(written(tmp_path, man + hat + FLOOR, weld))
     hat_height = next(body.position[2] for body in model.bodies if body.name == "hat")
+    assert model.start is not None
     assert hat_height == pytest.approx(float(model.start.positions[0, 2]), abs=1e-9) and hat_height > 0.09
 
 
@@ -84,6 +86,7 @@ def test_the_moving_bodies_of_a_room_stand_beside_an_avatar(tmp_path: Path) -> N
 
 def test_what_moves_stands_still_where_clips_are_cleaned(tmp_path: Path) -> None:
     model = model_of(tmp_path)
+    assert model.start is not None
     rows = 5
     motion = av.Motion(
         np.arange(rows) / 60, np.repeat(model.start.positions[None], rows, axis=0),

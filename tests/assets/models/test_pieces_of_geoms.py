@@ -156,7 +156,7 @@ def test_meshes_that_mujoco_does_not_read_are_read_for_it(ending: str, tmp_path:
 def test_a_mesh_without_thickness_is_a_plate(ending: str, tmp_path: Path) -> None:
     import trimesh
 
-    square = trimesh.Trimesh([[0, 0, 0], [0.2, 0, 0], [0.2, 0.1, 0], [0, 0.1, 0]], [[0, 1, 2], [0, 2, 3]], process=False)
+    square = trimesh.Trimesh([[0.0, 0, 0], [0.2, 0, 0], [0.2, 0.1, 0], [0, 0.1, 0]], [[0, 1, 2], [0, 2, 3]], process=False)
     square.export(tmp_path / f"flat.{ending}")
     head = f'<asset><mesh name="m" file="flat.{ending}"/></asset>'
     model = av.load_room(written(tmp_path, '<geom name="it" type="mesh" mesh="m"/>', head=head))

@@ -10,11 +10,13 @@ import pytest
 
 import avatarsim as av
 from tests.assets.models.mujoco_twin import Twin, greatest_difference
+from tests.assets.motions.robots import driven
 
 
 def shipped(package: str, *parts: str) -> Path:
     """Return a file of an installed package, which need not be imported."""
     found = find_spec(package)
+    assert found is not None and found.submodule_search_locations
     return Path(found.submodule_search_locations[0]).joinpath(*parts)
 
 
@@ -45,9 +47,10 @@ def test_links_are_where_mujoco_has_the_bodies_and_frames_run(name: str) -> None
     path = shipped(*parts)
     if "folder" in options:
         options = {**options, "folder": shipped(*options["folder"])}
-    model = av.load_avatar(path, **options)
+    model = driven(av.load_avatar(path, **options))
     assert (len(model.avatar.links), model.coordinates.hinges) == (links, hinges)
     assert greatest_difference(Twin(path), model, 10) <= 1e-12
+    assert model.start is not None
     with av.AvatarsimEngine() as engine:
         engine.load(model.scene(), av.Settings(), dt=1 / 60)
         for frame in range(1, 31):

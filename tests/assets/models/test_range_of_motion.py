@@ -17,6 +17,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from avatarsim.spatial.tangent import Columns
 from tests.assets.models.recorded import clip, human_skeleton
+from tests.assets.motions.robots import driven
 
 SKELETON = human_skeleton()
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
@@ -47,7 +48,7 @@ def test_limits_hold_what_humans_can_do(
 ) -> None:
     if side == "right":
         joint, axis, degrees = mirrored(joint, axis, degrees)
-    avatar = human(SKELETON, 1.7, clip(SKELETON, {})).avatar
+    avatar = driven(human(SKELETON, 1.7, clip(SKELETON, {}))).avatar
     found = beyond_limits(avatar, clip(SKELETON, {joint: (axis, degrees)}, frames=3))
     assert [(one.joint, one.frames) for one in found] == ([] if can else [(joint, 3)])
 
@@ -61,7 +62,7 @@ def test_hinges_have_the_range_of_their_movement(joint: str, axis: tuple[float, 
     bones = list(SKELETON.bones)
     bones[at] = replace(bones[at], axes=(axis,), turns=("r",))
     skeleton = Skeleton("human", tuple(bones))
-    avatar = human(skeleton, 1.7, clip(skeleton, {})).avatar
+    avatar = driven(human(skeleton, 1.7, clip(skeleton, {}))).avatar
     still = clip(skeleton, {})
     turned = Motion(still.times, still.positions, still.rotations, np.array([[np.radians(degrees)]]))
     assert (beyond_limits(avatar, turned) == ()) == can
@@ -85,7 +86,7 @@ def test_a_stance_in_the_clip_stands_for_a_folded_rest() -> None:
         local = rotation.multiply(rotation.conjugate(parents), rotation.multiply(own, turned))
         return replace(clip(skeleton, {}), rotations=local)
 
-    model = human(skeleton, 1.7, posture("Hips", X, 0.0))
+    model = driven(human(skeleton, 1.7, posture("Hips", X, 0.0)))
     for joint, axis, degrees, can in POSTURES:
         found = beyond_limits(model.avatar, posture(joint, axis, degrees))
         # a twist limit that would cross half a turn is left out, so that more may be allowed
@@ -103,7 +104,7 @@ def columns(quaternion: np.typing.NDArray[np.float64]) -> Columns:
 def test_excess_is_the_engine_s(name: str) -> None:
     """Random turns of the joints of a human avatar, knees with a reach cone among them."""
     skeleton = human_skeleton()
-    avatar = human(skeleton, 1.7, clip(skeleton, {})).avatar
+    avatar = driven(human(skeleton, 1.7, clip(skeleton, {}))).avatar
     skel = skeleton_of(Scene("room", avatars=(avatar,)))
     link = [link.name for link in avatar.links].index(name)
     joint = avatar.links[link].joint

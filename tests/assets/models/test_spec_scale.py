@@ -8,10 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import avatarsim as av
-from avatarsim.assets.models.model import Model
 from avatarsim.errors import InvalidInput
+from avatarsim.scene.avatar import Link
 from avatarsim.scene.tracker import link_poses
 from tests.assets.models.test_links_of_tree import written
+from tests.assets.motions.robots import Driven, driven
 
 
 def body(s: float) -> str:
@@ -30,17 +31,18 @@ def body(s: float) -> str:
     )
 
 
-def model(folder: Path, s: float, scale: float) -> Model:
+def model(folder: Path, s: float, scale: float) -> Driven:
     """Return the model, written with lengths of `s` a metre."""
-    return av.load_avatar(written(folder, body(s)), fix=("rail",), scale=scale, avatar="torso", size_range=(1e-6, 1e6))
+    return driven(av.load_avatar(written(folder, body(s)), fix=("rail",), scale=scale, avatar="torso", size_range=(1e-6, 1e6)))
 
 
 def test_at_scale_it_is_the_model_that_was_written_in_metres(tmp_path: Path) -> None:
     one, other = model(tmp_path, 1.0, 1.0), model(tmp_path, 100.0, 0.01)
     assert [slot.name for slot in one.coordinates.slots] == [slot.name for slot in other.coordinates.slots]
-    rests = [[slot.rest for slot in found.coordinates.slots] for found in (one, other) if found.coordinates]
+    rests = [[slot.rest for slot in found.coordinates.slots] for found in (one, other)]
     np.testing.assert_allclose(rests[0], rests[1], rtol=1e-9)
-    for mine, theirs in zip([*one.avatar.links, *one.bodies], [*other.avatar.links, *other.bodies], strict=True):
+    parts: list[list[Link | av.Body]] = [[*found.avatar.links, *found.bodies] for found in (one, other)]
+    for mine, theirs in zip(*parts, strict=True):
         assert mine.name == theirs.name
         for a, b in zip(mine.pieces, theirs.pieces, strict=True):
             np.testing.assert_allclose(a.position, b.position, atol=1e-9)
@@ -49,8 +51,9 @@ def test_at_scale_it_is_the_model_that_was_written_in_metres(tmp_path: Path) -> 
             assert mine.mass.mass == pytest.approx(theirs.mass.mass)
             np.testing.assert_allclose(mine.mass.centre, theirs.mass.centre, atol=1e-9)
             np.testing.assert_allclose(mine.mass.inertia, theirs.mass.inertia, rtol=1e-6, atol=1e-12)
-    for mine, theirs in zip(link_poses((one.avatar,), one.start), link_poses((other.avatar,), other.start), strict=True):
-        np.testing.assert_allclose(mine, theirs, atol=1e-9)
+    assert one.start is not None and other.start is not None
+    for here, there in zip(link_poses((one.avatar,), one.start), link_poses((other.avatar,), other.start), strict=True):
+        np.testing.assert_allclose(here, there, atol=1e-9)
     assert one.avatar.span == pytest.approx(other.avatar.span)
 
 
@@ -59,7 +62,7 @@ def test_at_scale_it_is_the_model_that_was_written_in_metres(tmp_path: Path) -> 
 def test_what_density_gives_goes_with_the_volume(scale: float, tmp_path_factory: pytest.TempPathFactory) -> None:
     folder = tmp_path_factory.mktemp("density")
     path = written(folder, '<body name="b"><freejoint/><geom type="sphere" size="0.1"/></body>')
-    one, other = (av.load_avatar(path, scale=s, size_range=(1e-6, 1e6)).avatar for s in (1.0, scale))
+    one, other = (driven(av.load_avatar(path, scale=s, size_range=(1e-6, 1e6))).avatar for s in (1.0, scale))
     assert other.links[0].mass.mass == pytest.approx(scale**3 * one.links[0].mass.mass)
     np.testing.assert_allclose(other.links[0].mass.inertia, scale**5 * one.links[0].mass.inertia, rtol=1e-6)
 

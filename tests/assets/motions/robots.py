@@ -3,7 +3,7 @@
 import io
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -27,11 +27,24 @@ JOINTS = ("waist", "left_shoulder", "right_shoulder", "left_elbow")
 """The robot's hinges, in its model's order."""
 
 
+class Driven(Model):
+    """A model of which mypy knows that it has an avatar."""
+
+    avatar: Avatar
+    coordinates: Coordinates
+
+
+def driven(model: Model | None) -> Driven:
+    """Return the same model, which must have an avatar."""
+    assert model is not None and model.avatar is not None and model.coordinates is not None
+    return cast(Driven, model)
+
+
 def link(name: str, parent: str | None, joint: Joint, anchor: Vector = (0.0, 0.0, 0.3)) -> Link:
     return Link(name, parent, joint, BALL, MASS, anchor=anchor)
 
 
-def robot(free: bool = True) -> Model:
+def robot(free: bool = True) -> Driven:
     """Return a free pelvis, four hinges and a rigid hand; coordinates as a file names them, one hinge with a reference angle."""
     root = Free() if free else Rigid()
     avatar = Avatar("robot", (
@@ -47,7 +60,7 @@ def robot(free: bool = True) -> Model:
         Slot("waist", "hinge", 1, 0), Slot("left_shoulder", "hinge", 2, 1),
         Slot("right_shoulder", "hinge", 5, 3), Slot("left_elbow", "hinge", 3, 2, rest=0.25),
     )
-    return Model(avatar, Coordinates(slots, 6, 4), (), ())
+    return driven(Model(avatar, Coordinates(slots, 6, 4), (), ()))
 
 
 def held() -> Model:
@@ -59,11 +72,11 @@ def held() -> Model:
     return Model(whole.avatar, Coordinates(slots, 6, 4), (), ())
 
 
-def puppet() -> Model:
+def puppet() -> Driven:
     """Return a free root, a ball and a link of two hinges, with coordinates link by link."""
     hinges = Hinges((Hinge(X), Hinge(Y)))
     avatar = Avatar("puppet", (link("root", None, Free()), link("head", "root", Ball()), link("hand", "head", hinges)))
-    return Model(avatar, coordinates_of(avatar), (), ())
+    return driven(Model(avatar, coordinates_of(avatar), (), ()))
 
 
 def walk(frames: int, joints: int = len(JOINTS), seed: int = 0) -> Array:
@@ -76,9 +89,9 @@ def walk(frames: int, joints: int = len(JOINTS), seed: int = 0) -> Array:
     return np.concatenate([places, turns, angles], axis=1)
 
 
-def places(model: Model, motion: Motion) -> Array:
+def places(model: Model | None, motion: Motion) -> Array:
     """Return places (F, links, 3) [m] of the avatar's links."""
-    return poses_of_links((model.avatar,), motion.positions, motion.rotations, motion.angles)[0]
+    return poses_of_links((driven(model).avatar,), motion.positions, motion.rotations, motion.angles)[0]
 
 
 def saved(path: Path, arrays: Mapping[str, Any], save: Callable[..., None] = np.savez) -> Path:

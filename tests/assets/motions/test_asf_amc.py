@@ -12,7 +12,7 @@ from avatarsim.scene.joint import Hinges, Rigid
 from avatarsim.scene.motion import Motion
 from avatarsim.spatial import rotation
 from tests.assets.motions.files import ASF, amc
-from tests.assets.motions.robots import places
+from tests.assets.motions.robots import driven, places
 from tests.assets.motions.twins import asf_places
 
 Array = NDArray[np.float64]
@@ -35,7 +35,7 @@ def made(folder: Path, text: str, asf: str = ASF, **options: object) -> AmcFile:
 def test_bones_are_where_matrices_put_them(tmp_path: Path) -> None:
     values = rows(spread=60.0)
     file = made(tmp_path, amc(values), up="y", scale=UNIT)
-    model = file.model()
+    model = driven(file.model())
     for row, frame in zip(values, places(model, file.motion(model)), strict=True):
         expected = asf_places(ASF, row)
         for link, place in zip(model.avatar.links, frame, strict=True):
@@ -49,7 +49,7 @@ def test_radians_and_limits_are_read(tmp_path: Path) -> None:
     turned = np.concatenate([values[:, :3], np.radians(values[:, 3:])], axis=1)
     radians = made(tmp_path, amc(turned, head=":FULLY-SPECIFIED\n:RADIANS\n"), up="y")
     assert np.abs(degrees.recording.motion.rotations - radians.recording.motion.rotations).max() < 1e-12
-    avatar = degrees.model().avatar
+    avatar = driven(degrees.model()).avatar
     knee = next(link.joint for link in avatar.links if link.name == "ltibia")
     foot = next(link.joint for link in avatar.links if link.name == "lfoot")
     assert isinstance(knee, Hinges) and isinstance(foot, Hinges) and isinstance(avatar.links[1].joint, Rigid)

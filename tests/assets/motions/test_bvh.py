@@ -118,7 +118,7 @@ def test_what_is_asked_for_is_not_guessed(tmp_path: Path) -> None:
         read_bvh(written(tmp_path, bvh(WALKER.replace("OFFSET 0 -42 0", "OFFSET 0 -420 0"), rows())), up="y")
     for wrong in ({"scale": -1.0}, {"scale": float("nan")}, {"up": "x"}, {"offsets": "any"}):
         with pytest.raises(InvalidFile):
-            read_bvh(written(tmp_path, bvh(WALKER, rows())), **wrong)  # type: ignore[arg-type]
+            read_bvh(written(tmp_path, bvh(WALKER, rows())), **wrong)
 
 
 def six(joint: str, offset: str) -> str:

@@ -21,7 +21,7 @@ from scenarios.building.avatars.humanoid import humanoid
 from scenarios.motion.mocap import clip_names, load_clip
 from scenarios.motion.track import track_of
 from tests.assets.motions.clips import figure, moving, upright, written
-from tests.assets.motions.robots import places, robot
+from tests.assets.motions.robots import driven, places, robot
 
 NUMBER = st.floats(-3.0, 3.0)
 
@@ -140,7 +140,7 @@ def test_an_avatar_that_lacks_joints_is_refused_by_their_names(tmp_path: Path) -
     file = load_motion(written(tmp_path / "some.txt", moving(3)))
     with pytest.raises(InvalidFile, match="missing: chest, neck, right_hip"):
         file.motion(robot())
-    whole = figure().avatar
+    whole = driven(figure()).avatar
     stiff = Avatar("stiff", tuple(replace(link, joint=Ball()) if link.name == "left_knee" else link for link in whole.links))
     with pytest.raises(InvalidFile, match="joint left_knee for some.txt is 'ball'; valid: hinge"):
         file.motion(Model(stiff, coordinates_of(stiff), (), ()))

@@ -8,6 +8,7 @@ import pytest
 from avatarsim.assets.models.load import load_object
 from avatarsim.assets.motions.load import load_motion
 from avatarsim.errors import InvalidFile
+from avatarsim.scene.shape import Box
 from avatarsim.spatial import rotation
 from tests.assets.motions.robots import JOINTS, entries, robot, saved, walk
 
@@ -61,8 +62,8 @@ def test_a_shape_comes_from_the_size_or_from_a_file(tmp_path: Path) -> None:
     sized = load_motion(clip(tmp_path, **poses, object_size=(0.2, 0.3, 0.4), object_name="crate")).object
     assert sized is not None
     box = load_object(sized)
-    assert box.body.name == "crate" and box.body.links[0].pieces[0].shape.size == pytest.approx((0.2, 0.3, 0.4))
-    assert box.body.links[0].anchor == pytest.approx(PLACES[0])
+    assert isinstance(shape := box.body.links[0].pieces[0].shape, Box) and shape.size == pytest.approx((0.2, 0.3, 0.4))
+    assert box.body.name == "crate" and box.body.links[0].anchor == pytest.approx(PLACES[0])
     (tmp_path / "cube.xml").write_text(
         '<mujoco><worldbody><body pos="9 9 9"><freejoint/><geom type="box" size="1 2 3" pos="1 0 0"/></body></worldbody></mujoco>'
     )
@@ -71,7 +72,8 @@ def test_a_shape_comes_from_the_size_or_from_a_file(tmp_path: Path) -> None:
     with pytest.raises(InvalidFile, match="shape of object"):
         load_object(plain)
     piece = load_object(plain, tmp_path / "cube.xml").body.links[0].pieces[0]
-    assert piece.shape.size == pytest.approx((0.2, 0.4, 0.6)) and piece.position == pytest.approx((0.1, 0.0, 0.0))
+    assert isinstance(piece.shape, Box) and piece.shape.size == pytest.approx((0.2, 0.4, 0.6))
+    assert piece.position == pytest.approx((0.1, 0.0, 0.0))
     assert load_object(plain, tmp_path / "cube.xml", scale=1.0).body.links[0].pieces[0].position == pytest.approx((1.0, 0.0, 0.0))
 
 

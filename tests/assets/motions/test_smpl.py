@@ -14,7 +14,7 @@ from avatarsim.assets.motions.load import load_motion
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.written import written as scene_data
-from tests.assets.motions.robots import entries, places, robot, saved, walk
+from tests.assets.motions.robots import driven, entries, places, robot, saved, walk
 
 FRAMES = 8
 MEMBERS = {"SMPL": 72, "SMPL-H": 156, "SMPL-X": 165}
@@ -79,7 +79,7 @@ def test_joints_are_where_matrices_put_them(tmp_path: Path, member: str, up: str
         skeleton, pelvis = approximate(member)
         joints = theirs(skeleton.rest[: len(skeleton.bones)]) + pelvis
     found = load_motion(saved(tmp_path / "some.npz", arrays), **options)
-    model = found.model()
+    model = driven(found.model())
     shown = places(model, found.motion(model))
     expected = joints_by_matrices(arrays["poses"], arrays["trans"], joints, member)
     if up == "y":
@@ -92,7 +92,7 @@ def test_ranges_and_allowed_depths_are_the_same_for_every_clip(tmp_path: Path) -
     arrays = amass()
     bent = arrays | {"poses": arrays["poses"] + np.linspace(0.0, 1.2, 156)}
     files = [saved(tmp_path / f"{k}.npz", own) for k, own in enumerate((arrays, bent))]
-    one, other = (scene_data(load_motion(file).model().avatar) for file in files)
+    one, other = (scene_data(driven(load_motion(file).model()).avatar) for file in files)
     assert one == other and one["at_rest"]
 
 
@@ -116,7 +116,7 @@ def bent(motion: Motion, link: int, first: int, last: int) -> Motion:
 def test_bodies_are_written_bit_for_bit_where_nothing_moved(tmp_path: Path, form: str) -> None:
     arrays = FORMS[form]()
     found = load_motion(saved(tmp_path / "some.npz", arrays))
-    model = found.model()
+    model = driven(found.model())
     written = entries(found.written(found.motion(model), model))
     assert list(written) == list(arrays)
     for key, values in arrays.items():
@@ -139,7 +139,7 @@ def test_bodies_are_written_bit_for_bit_where_nothing_moved(tmp_path: Path, form
 
 def test_another_rate_is_written_with_its_rate(tmp_path: Path) -> None:
     found = load_motion(saved(tmp_path / "some.npz", amass() | {"joints": np.zeros((FRAMES, 52, 3))}))
-    model = found.model()
+    model = driven(found.model())
     motion = found.motion(model).resampled(240.0)
     (tmp_path / "other.npz").write_bytes(found.written(motion, model))
     written = entries((tmp_path / "other.npz").read_bytes())

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -45,7 +46,7 @@ COUNTED = np.c_[np.arange(FRAMES), LAFAN]
 TIMED = np.c_[LAFAN[:, 3:], np.arange(FRAMES) / 50.0, LAFAN[:, :3]]
 BACKWARDS = np.c_[LAFAN[:, :7], LAFAN[:, :6:-1]]
 
-FORMS = {
+FORMS: dict[str, tuple[str, dict[str, Any], float]] = {
     "LAFAN1": (text(LAFAN), {}, 30.0),
     "other rate": (text(LAFAN), {"rate": 50.0}, 50.0),
     "scalar first": (text(walk(FRAMES)), {"quaternion": "wxyz"}, 30.0),

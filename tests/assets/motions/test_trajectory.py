@@ -16,7 +16,7 @@ from avatarsim.errors import InvalidFile
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
-from tests.assets.motions.robots import JOINTS, entries, held, puppet, robot, saved, walk
+from tests.assets.motions.robots import JOINTS, driven, entries, held, puppet, robot, saved, walk
 
 FRAMES = 40
 XYZW = [0, 1, 2, 4, 5, 6, 3]
@@ -25,7 +25,7 @@ XYZW = [0, 1, 2, 4, 5, 6, 3]
 
 def bodies(model: Model, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     """Return poses of the world, the robot's links, and a badge on its torso that its model does not have."""
-    places, turns = poses_of_links((model.avatar,), motion.positions, motion.rotations, motion.angles)
+    places, turns = poses_of_links((driven(model).avatar,), motion.positions, motion.rotations, motion.angles)
     frames = len(motion)
     badge = places[:, 1:2] + rotation.rotate(turns[:, 1:2], np.array([0.1, 0.0, 0.05]))
     still = np.tile(np.array(rotation.IDENTITY), (frames, 1, 1))
@@ -58,7 +58,7 @@ def spin(turns: np.ndarray, times: np.ndarray) -> np.ndarray:
     return found
 
 
-def gmr(dtype: type = np.float64) -> dict[str, Any]:
+def gmr(dtype: Any = np.float64) -> dict[str, Any]:
     q = walk(FRAMES)[:, [*XYZW, 7, 8, 9, 10]].astype(dtype)
     return {"fps": 50.0, "root_pos": q[:, :3], "root_rot": q[:, 3:7], "dof_pos": q[:, 7:]}
 

@@ -62,8 +62,8 @@ def asf_places(asf: str, row: Array) -> dict[str, Array]:
         lines = [line.split() for line in ("id" + block).splitlines() if line.strip()]
         bones[dict((line[0], line[1]) for line in lines)["name"]] = {line[0]: line[1:] for line in lines}
     numbers, at = {}, 0
-    for bone, count in AMC_ORDER:
-        numbers[bone] = row[at : at + count]
+    for name, count in AMC_ORDER:
+        numbers[name] = row[at : at + count]
         at += count
     root = translation_matrix(numbers["root"][:3])
     for k in (2, 1, 0):
