@@ -89,7 +89,7 @@ def test_table_1_is_missed_by_no_more_than_known(what: int) -> None:
     assert list(KNOWN)[what] in unsupported(scene)
 
 
-def tried(first: Array, second: Array, wanted: Array, weight: Array) -> float:
+def tried(first: np.ndarray, second: np.ndarray, wanted: Array, weight: Array) -> float:
     """Return the smallest maximum of the weighted errors over all triples of factors on a grid."""
     steps = np.arange(GRID, 1.0 + GRID, GRID)
     factors = np.stack(np.meshgrid(steps, steps, steps, indexing="ij")).reshape(3, -1)

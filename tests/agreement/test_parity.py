@@ -8,10 +8,10 @@ import pytest
 
 from avatarsim.engine import Engine, FrameRecord, Settings
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import Mass, solid
+from avatarsim.scene.body import Body, Mass, solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Piece, Sphere
+from avatarsim.scene.shape import ConvexHull, Piece, Sphere
 from avatarsim.scene.tracker import link_poses, rest
 from avatarsim.spatial import rotation
 from reference.in_mujoco.engine import MujocoEngine
@@ -63,7 +63,7 @@ def test_mujoco_has_the_stated_masses_and_inertias() -> None:
 @pytest.mark.parametrize("scene", [bodies_of_all_shapes(), Scene("all", avatars=(every_joint(),))], ids=["bodies", "avatar"])
 def test_pybullet_has_the_stated_masses_and_inertias(scene: Scene) -> None:
     engine = loaded(PybulletEngine(), scene, Settings())
-    owners = [*scene.bodies, *scene.links]
+    owners: list[Body | Link] = [*scene.bodies, *scene.links]
     for owner, part in zip(owners, engine._world.parts, strict=True):
         mass, _, moments, centre, *_ = pybullet.getDynamicsInfo(part.body, part.link, physicsClientId=engine._client)
         axes = rotation.to_matrix(part.frame)
@@ -86,6 +86,7 @@ def test_mujoco_meshes_are_where_the_scene_has_them() -> None:
         first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
         found = data.geom_xpos[geom] + model.mesh_vert[first : first + count] @ data.geom_xmat[geom].reshape(3, 3).T
         piece = scene.bodies[k].pieces[i]
+        assert isinstance(piece.shape, ConvexHull)
         inside = rotation.rotate(piece.orientation, piece.shape.vertices) + np.array(piece.position)
         wanted = rotation.rotate(shown.orientations[k], inside) + shown.positions[k]
         # vertices are kept in single precision: 6e-8 of a tenth of a metre, a few times over
@@ -105,6 +106,7 @@ def test_pybullet_hulls_are_where_the_scene_has_them() -> None:
     probe = pybullet.createMultiBody(0.0, ball, physicsClientId=client)
     for k in (3, 4):
         piece, part = scene.bodies[k].pieces[0], engine._world.parts[k]
+        assert isinstance(piece.shape, ConvexHull)
         points = rotation.rotate(piece.orientation, piece.shape.vertices) + np.array(piece.position)
         points = rotation.rotate(shown.orientations[k], points) + shown.positions[k]
         middle = points.mean(axis=0)

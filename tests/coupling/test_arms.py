@@ -62,7 +62,7 @@ def test_both_hands_lift_a_drawn_box(seed: int) -> None:
     lift, engine = drawn_lift(seed), AvatarsimEngine()
     scene = lift.scene()
     engine.load(scene, Settings(), DT)
-    judge, rise = Judge(engine._frames.world), 0.0
+    judge, rise = Judge(engine._running().world), 0.0
     before = scene.bodies[2].position[2]
     for frame in range(300):
         shown = engine.advance(lift.at((frame + 1) * DT), DT).shown
@@ -91,12 +91,12 @@ def test_clips_go_through_loose_things_without_overlap(seed: int) -> None:
     scene, engine = Scene("room", tuple(bodies), (human,), materials=materials, start=standing(human)), AvatarsimEngine()
     motion = to_and_fro(load_clip(("kick", "dance_a", "getup_facedown", "crawl", "spinkick", "roll")[seed]), scene, 240)
     engine.load(scene, Settings(), DT)
-    judge, coupled = Judge(engine._frames.world), 0
+    judge, coupled = Judge(engine._running().world), 0
     heavy = [k for k, body in enumerate(bodies) if body.mass and body.mass.mass > 5.0]
     for frame in range(240):
         shown = engine.advance(motion(frame), DT).shown
         judge.see()
-        coupled += int(engine._frames.world.drive.coupled.any())
+        coupled += int(engine._running().world.drive.coupled.any())
         assert np.linalg.norm(shown.velocities[heavy], axis=1).max(initial=0.0) < 8.0
     assert judge.gap > -1e-6 and judge.excess <= 0.0
     assert coupled > 20
@@ -118,7 +118,7 @@ def brushed(sample: TrackerSample, seconds: float, wall: float | None = None) ->
     engine.load(scene, Settings(), DT)
     for frame in range(frames):
         seen.append(engine.advance(motion(frame), DT).shown.positions[len(bodies):].copy())
-        coupled.append(engine._frames.world.drive.coupled.any())
+        coupled.append(engine._running().world.drive.coupled.any())
     return np.array(seen), np.array(coupled)
 
 

@@ -115,7 +115,7 @@ def walked(
     link = alone.names.index(wrist)
     place = loaded(alone).reset().shown.positions[link]
     place = place + [aside[0], aside[1] * np.sign(place[1]), 0.0]
-    scene = replace(alone, bodies=(FLOOR, *walls, cube(mass, tuple(float(x) for x in place))))
+    scene = replace(alone, bodies=(FLOOR, *walls, cube(mass, tuple(place.tolist()))))
     engine, records = loaded(scene), []
     engine.attach("cube", wrist)
     for k in range(frames):

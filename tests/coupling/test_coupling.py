@@ -1,6 +1,7 @@
 """The link that takes an impulse, the force with which a blocked one presses, and hands that walls hold."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -100,7 +101,7 @@ def pressed_against(body: Body, *more: Body) -> np.ndarray:
     for k in range(90):
         engine.advance(at(avatar, min(0.13, 0.01 * k)), DT)
         if k >= 60:
-            total += engine._frames.upper.memory.received[-1]
+            total += engine._running().upper.memory.received[-1]
     return total
 
 
@@ -147,7 +148,7 @@ def a_scene(hand: Shape, *bodies: Body, gravity: float = 0.0) -> Scene:
     )
 
 
-def ball(x: float, mass: float = 0.3, **more: tuple[float, float, float]) -> Body:
+def ball(x: float, mass: float = 0.3, **more: Any) -> Body:
     pieces = (Piece(Sphere(0.04)),)
     return simulated("ball", pieces, "wood", solid(pieces, mass), (x, 0.0, 0.0), **more)
 
@@ -202,7 +203,7 @@ def test_only_what_goes_into_fixed_bodies_is_taken() -> None:
         left = w.velocities.linear[hand]
         # the nearest velocity that goes into neither wall
         free = v + normals[:2].T @ nnls(normals[:2].T, -v)[0]
-        into_both += np.linalg.norm(free[:2]) < 1e-9
+        into_both += int(np.linalg.norm(free[:2]) < 1e-9)
         assert left[2] == v[2] and (normals[:2] @ left).min() > -1e-5
         if (normals[:2] @ v).min() >= 0.0 or np.linalg.norm(free[:2]) < 1e-9:
             np.testing.assert_allclose(left, free, atol=1e-5)

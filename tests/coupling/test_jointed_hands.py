@@ -18,13 +18,14 @@ from avatarsim.rigid.solver import apply_to_links, lay_out
 from avatarsim.rigid.state import Memory, make_memory
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, solid
-from avatarsim.scene.joint import Free, Hinge, Hinges
+from avatarsim.scene.joint import Free, Hinge, Hinges, axes_of
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Piece
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
 from avatarsim.spatial.tangent import columns
+from avatarsim.spatial.vec3 import neg
 from scenarios.building.avatars.humanoid import humanoid
 from scenarios.building.avatars.standing import standing
 from scenarios.motion.keyframes import posed
@@ -110,9 +111,9 @@ def held_through(grip: Grip) -> None:
     floor = fixed("floor", (Piece(Box((2.0, 2.0, 0.2))),), "m", (0.0, 0.0, -0.1))
     table = PairTable({("m", "m"): ContactLaw(0.0, grip.friction)})
     scene = Scene("grip", (floor, grip.thing), (grip.avatar,), materials=table, start=grip.sample(0.0))
-    engine, limits = AvatarsimEngine(), [hinge for link in grip.avatar.links[1:] for hinge in link.joint.hinges]
+    engine, limits = AvatarsimEngine(), [hinge for link in grip.avatar.links[1:] for hinge in axes_of(link.joint)]
     engine.load(scene, Settings(), DT)
-    world, places, user = engine._frames.world, [], 0.0
+    world, places, user = engine._running().world, [], 0.0
     for k in range(330):
         sample = grip.sample((k + 1) * DT)
         record = engine.advance(sample, DT)
@@ -271,7 +272,7 @@ def test_a_ball_at_its_limit_turns_where_linearised_it_may() -> None:
         room, inward, second, across = room_of_ball(skel.balls, link, turn)
         least, most, gradient = room_of_twist(skel.balls, link, turn)
         assert min(room, -least, most) == pytest.approx(0.0, abs=1e-8)
-        limits = [(inward, -room), (across, -min(second, 1.0)), (gradient, least), (np.negative(gradient), -most)]
+        limits = [(inward, -room), (across, -min(second, 1.0)), (gradient, least), (neg(gradient), -most)]
         step = 1e-5 * random.normal(size=3)
         for normal, bound in 100 * limits:
             step += max(0.0, bound - np.dot(normal, step)) * np.array(normal) / max(1e-12, np.dot(normal, normal))

@@ -1,7 +1,8 @@
 """Moving bodies: they follow given poses, carry their loads, give way where they would crush, stay where they are put."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -65,7 +66,7 @@ Given = Callable[[int], Mapping[str, Pose]]
 
 def run(
     bodies: list[Body], avatars: list[Avatar], frames: int, given: Given,
-    users: Callable[[int], list[tuple[float, ...]]] | None = None,
+    users: Callable[[int], Sequence[tuple[float, ...]]] | None = None,
 ) -> Run:
     """Return frames in which moving bodies are given poses, and rigid hands are where ``users`` has them."""
     persons = [avatar for avatar in avatars if not avatar.moves]
@@ -84,7 +85,7 @@ def run(
     return Run(scene, records)
 
 
-def lift(**options: float) -> Avatar:
+def lift(**options: Any) -> Avatar:
     """Return a platform whose top is at 0.1 m."""
     return moving("lift", pieces(Box((1.0, 1.0, 0.08))), "m", position=(0.0, 0.0, 0.06), **options)
 
@@ -144,7 +145,7 @@ def test_a_belt_brings_a_box_to_its_speed() -> None:
     assert np.ptp(seen.place("belt"), axis=0).max() < 1e-4
 
 
-def door(**options: float) -> Avatar:
+def door(**options: Any) -> Avatar:
     """Return a door in hinges."""
     return moving("door", LEAF, "m", joint=LEFT, **options)
 

@@ -21,7 +21,7 @@ from avatarsim.cleaning.joint_rates import Rates
 from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError
 from avatarsim.scene.avatar import Avatar, Drive, Link, rigid_avatar
-from avatarsim.scene.body import Body, ContactLaw, Mass, PairTable, Role, fixed, simulated, solid, volume
+from avatarsim.scene.body import TABLE_1, Body, ContactLaw, Mass, PairTable, Role, fixed, simulated, solid, volume
 from avatarsim.scene.effects import Effects
 from avatarsim.scene.joint import Ball, Hinge, Hinges, ReachCone, SwingTwist
 from avatarsim.scene.motion import Motion
@@ -120,12 +120,12 @@ def body_doors() -> list[SearchStrategy[Asked]]:
         v.asked(simulated, name=v.names, material=v.materials, **placed, **moving),
         v.asked(sample_checked, known=posture, time=v.lengths, positions=st.none(), rotations=st.none(), angles=st.none()),
         v.asked(Scene, name=v.names, bodies=st.lists(v.bodies, max_size=3).map(tuple), gravity=v.vectors, start=st.none(),
-                avatars=st.lists(v.avatars, max_size=1).map(tuple), materials=v.tables | st.just(v.TABLE_1),
+                avatars=st.lists(v.avatars, max_size=1).map(tuple), materials=v.tables | st.just(TABLE_1),
                 exclude=st.just(()), narrow=st.just(()), require=st.just(()), force=st.just(())),
     ]
 
 
-def sample_checked(known: tuple[TrackerSample, tuple[Avatar, ...]], **replaced: object) -> object:
+def sample_checked(known: object, **replaced: object) -> object:
     """Return a sample with some of its parts replaced, as the engine checks it."""
     if not (isinstance(known, tuple) and len(known) == 2 and isinstance(known[0], TrackerSample)):
         return checked(known, ())  # type: ignore[arg-type]
@@ -164,7 +164,7 @@ LENGTHS = (
 
 def engine_doors() -> list[SearchStrategy[Asked]]:
     """Return a hand above a table, with any settings, frame time and sample; and generated scenes."""
-    options = st.one_of(
+    options: SearchStrategy[dict[str, Any]] = st.one_of(
         st.dictionaries(st.sampled_from(COUNTS), st.integers(0, 50) | v.numbers.filter(small), max_size=2),
         st.dictionaries(st.sampled_from(LENGTHS), v.numbers, max_size=2), st.just({}),
     )

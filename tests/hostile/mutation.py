@@ -171,7 +171,7 @@ def replace_in(node: object, key: object, rng: Rng) -> None:
     elif rng.random() < 0.1 and isinstance(node, dict):
         node[rng.choice(("", "x", "\x00", "a" * 300))] = node.pop(key)
     else:
-        node[key] = hostile_value(rng)  # type: ignore[index,call-overload]
+        node[key] = hostile_value(rng)  # type: ignore[call-overload]
 
 
 def damaged_words(data: bytes, rng: Rng) -> bytes:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
@@ -98,7 +99,7 @@ def trajectory(folder: Path, path: Path) -> object:
 def body(folder: Path, path: Path) -> object:
     """Return the avatar and the motion of a body of the SMPL family, and the file again."""
     found = load_motion(path)
-    own = found.model()
+    own: Any = found.model()
     motion = finite(found.motion(own))
     assert isinstance(motion, Motion)
     assert found.written(motion, own)
@@ -108,7 +109,7 @@ def body(folder: Path, path: Path) -> object:
 def recorded(folder: Path, path: Path) -> object:
     """Return a clip on its skeleton: its avatar, its motion, and the file again."""
     file = load_motion(next(folder.glob("*.amc"), path))
-    found = file.model()
+    found: Any = file.model()
     motion = file.motion(found)
     assert file.written(motion, found)
     return sound((found.avatar, finite(motion)))
@@ -192,7 +193,7 @@ def doors() -> tuple[Door, ...]:
     found = []
     for ending, damage in (("obj", damaged), ("stl", damaged), ("stl_ascii", damaged), ("ply", damaged), ("off", damaged),
                            ("dae", damaged), ("glb", damaged_glb), ("gltf", damaged_json)):
-        files, also = partial(valid.meshes, ending), dict
+        files, also = partial(valid.meshes, ending), FileDoor.also
         if ending == "gltf":
             # the JSON part of glTF files, which names the others
             files = partial(chosen, partial(valid.meshes, "gltf"), lambda name: name.endswith(".gltf"))
@@ -242,8 +243,8 @@ def doors() -> tuple[Door, ...]:
                  slow=True, reserves=True),
     ]
     for name, (read, names) in TABLES.items():
-        files = FileDoor(run_files(*names), damaged_by_name, lambda folder, path, read=read: read(folder))  # type: ignore[misc]
-        found.append(of_files(f"table {name}", 10.0, files))
+        door = FileDoor(run_files(*names), damaged_by_name, lambda folder, path, read=read: read(folder))  # type: ignore[misc]
+        found.append(of_files(f"table {name}", 10.0, door))
     return tuple(found)
 
 
@@ -254,7 +255,7 @@ def public_model(folder: Path, path: Path) -> object:
 
 def looked_at(folder: Path, path: Path) -> object:
     """Return the same by the shapes to be looked at, finely, from its first keyframe."""
-    keyed = {} if path.suffix == ".urdf" else {"keyframe": 0}
+    keyed: dict[str, Any] = {} if path.suffix == ".urdf" else {"keyframe": 0}
     name = "robot.urdf" if path.suffix == ".urdf" else "robot.xml"
     return sound(load_avatar(folder / name, fix="all", collide="visual", fit=1e-4, **keyed))
 

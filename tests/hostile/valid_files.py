@@ -43,7 +43,7 @@ def meshes(ending: str) -> Files:
             found |= {f"{name}/{part}": content for part, content in mesh.scene().export(file_type="gltf").items()}
         else:
             made = mesh.export(file_type={"stl": "stl", "stl_ascii": "stl_ascii"}.get(ending, ending))
-            found[f"{name}.{ending.partition('_')[0]}"] = made if isinstance(made, bytes) else made.encode()
+            found[f"{name}.{ending.partition('_')[0]}"] = made if isinstance(made, bytes) else str(made).encode()
     return found
 
 

@@ -100,8 +100,8 @@ def recorded(scene: Scene, samples: list[TrackerSample], dt: float = DT) -> Reco
     angles = np.array([sample.angles for sample in samples]).reshape(f, -1)
     still = np.zeros((f, n, 3))
     return Recording(
-        meta={"dt": dt, "scene": scene.name}, times=np.arange(f) * dt, positions=positions, orientations=orientations,
-        velocities=still, angular_velocities=still.copy(), angles=angles, raw_positions=raw_positions,
+        meta={"dt": dt, "scene": scene.name}, times=np.arange(f, dtype=np.float64) * dt, positions=positions,
+        orientations=orientations, velocities=still, angular_velocities=still.copy(), angles=angles, raw_positions=raw_positions,
         raw_orientations=raw_orientations, raw_angles=angles.copy(), inside_time=np.zeros(0),
         inside_frame=np.zeros(0, dtype=np.int64), inside_event=np.zeros(0, dtype=np.int64),
         inside_positions=np.zeros((0, n, 3)), inside_orientations=np.zeros((0, n, 4)), inside_velocities=np.zeros((0, n, 3)),

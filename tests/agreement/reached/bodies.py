@@ -57,7 +57,7 @@ def over_floor(name: str, thrown: list[Thrown], gravity: float = GRAVITY) -> Sce
     return Scene(name, tuple(bodies), materials=pair_table(["floor", *material.values()], table), gravity=(0.0, 0.0, -gravity))
 
 
-def seen(engine: Engine, scene: Scene, rate: int, seconds: float, preset: str = "tuned", **options: object) -> Seen:
+def seen(engine: Engine, scene: Scene, rate: int, seconds: float, preset: str = "tuned", /, **options: object) -> Seen:
     """Return the states of all bodies but the first, at the start and after every step."""
     step = 1.0 / rate
     records = played(engine, scene, idle(scene, round(seconds * rate), step), Settings(preset, {"dt": step, **options}), step)

@@ -78,7 +78,8 @@ def test_objects_stand_in_nothing() -> None:
 def test_without_the_data_package_it_is_missing_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(data_folder, "find_spec", lambda name: None)
     packages = "pybullet_data", "pybullet_data", "gymnasium-robotics"
-    for needs_it, package in zip((meshes.__wrapped__, lambda: load_clip("walk"), robotics_assets), packages, strict=True):
+    doors = lambda: meshes.__wrapped__(), lambda: load_clip("walk"), lambda: robotics_assets()
+    for needs_it, package in zip(doors, packages, strict=True):
         with pytest.raises(MissingPackage, match=package):
             needs_it()
 

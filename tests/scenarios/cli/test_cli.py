@@ -119,7 +119,7 @@ def test_3_for_a_report_that_fails_which_costs_no_figure(site: Path, tmp_path: P
 
 
 def test_3_for_a_scene_that_cannot_be_made_beside_others(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def cut() -> object:
+    def cut() -> Scene:
         raise InvalidFile("humanoid3d_walk.txt", "ends within a frame", "whole frames of 44 numbers")
 
     good = catalog.get("ball_drop")

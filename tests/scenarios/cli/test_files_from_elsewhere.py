@@ -17,7 +17,7 @@ NO_FILES: dict[str, Lay] = {
     "pipe": os.mkfifo, "folder": Path.mkdir, "device": lambda path: path.symlink_to("/dev/zero"),
     "nowhere": lambda path: path.symlink_to("absent"), "not UTF-8": lambda path: path.write_bytes(b"\xff\xfe\x00"),
     "deep": lambda path: path.write_text(f"a = {DEEP}" if path.suffix == ".toml" else DEEP),
-    "huge": lambda path: path.write_bytes(b"") and None or os.truncate(path, 2**40),
+    "huge": lambda path: os.truncate(path, path.write_bytes(b"") + 2**40),
 }
 """Things that may be in place of an expected file; the last one takes no disk space."""
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,7 +13,7 @@ from tests.scenarios.command_line import called, latest
 
 def test_narrowed_effect_is_switched_off_and_lapses() -> None:
     scene = catalog.get("ball_drop").build()
-    found, less = effects_of(scene), effects_of(replace(scene, narrow=("friction",)))
+    found, less = (dict[str, Any](effects_of(one)) for one in (scene, replace(scene, narrow=("friction",))))
     assert {"restitution", "friction"} <= set(found["effects"]) and found["called_by"]["restitution"] and not found["lapsed"]
     assert less["switched_off"] == ["friction"] == list(less["lapsed"]) and "friction" not in less["effects"]
 

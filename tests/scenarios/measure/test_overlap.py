@@ -1,6 +1,5 @@
 """Residual overlap: known depths are found in frames and sub-steps, and without a judge there is no figure."""
 
-
 import numpy as np
 import pytest
 
@@ -21,7 +20,7 @@ def test_known_depths_come_out_exactly() -> None:
 
 def test_a_pose_that_is_no_number_is_no_free_frame() -> None:
     found = residual_overlap(np.array([0.0, np.nan]))
-    assert np.isnan(found["residual_overlap_max"]) and found["overlap_frames"] == 50.0
+    assert found["residual_overlap_max"] == pytest.approx(np.nan, nan_ok=True) and found["overlap_frames"] == 50.0
 
 
 def test_overlap_inside_a_frame_is_seen_though_no_frame_shows_it() -> None:

@@ -1,6 +1,7 @@
 """The timeline: states inside a frame come before its end, body by body."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ def eventful() -> Recording:
     def numbered(states: int, width: int, tens: float) -> np.ndarray:
         return tens + np.arange(states * n * width, dtype=np.float64).reshape(states, n, width)
 
-    wide = {
+    wide: dict[str, Any] = {
         f"{where}{name}": numbered(states, width, tens)
         for where, states, tens in (("", 4, 0.0), ("inside_", 3, 1000.0))
         for name, width in (("positions", 3), ("orientations", 4), ("velocities", 3), ("angular_velocities", 3))

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -43,8 +44,8 @@ def folder(tmp_path: Path, offered: dict[str, Scenario], monkeypatch: pytest.Mon
     return tmp_path / "run"
 
 
-def job(scenario: str, engine: str = "tunnels", preset: str = "default", **more: object) -> Job:
-    return Job(scenario, engine, preset, catalogue=CATALOGUE, **more)  # type: ignore[arg-type]
+def job(scenario: str, engine: str = "tunnels", preset: str = "default", **more: Any) -> Job:
+    return Job(scenario, engine, preset, catalogue=CATALOGUE, **more)
 
 
 def moved(change: Callable[[int, TrackerSample], TrackerSample]) -> Callable[[Scene, int], Motion]:
@@ -60,7 +61,7 @@ def moved(change: Callable[[int, TrackerSample], TrackerSample]) -> Callable[[Sc
 @pytest.mark.parametrize(
     "other", [{"seed": 1}, {"frames": 2}, {"narrow": ("friction",)}, {"force": ("friction",)}, {"full": True}],
 )
-def test_engines_of_a_scene_share_what_is_prepared(other: dict[str, object]) -> None:
+def test_engines_of_a_scene_share_what_is_prepared(other: dict[str, Any]) -> None:
     first = prepare(job("fist"))
     assert prepare(job("fist", "mujoco", options={"dt": 0.001})) is first
     assert prepare(job("fist", "mujoco")).samples is first.samples
@@ -84,7 +85,7 @@ def test_a_run_is_recorded_and_measured(folder: Path) -> None:
     # 20 mm per frame for 30 frames, from 0: 0.6 m; the fist begins to touch the wall's face at 0.4 m
     assert outcome.values["residual_overlap_max"] == pytest.approx(0.2, abs=1e-8)
     assert (outcome.values["wrong_side_frames"], outcome.values["tracker_offset_rms"]) == (5.0, 0.0)
-    assert outcome.about["settings"]["badness"] == ("Tunnels", "a test needs it")
+    assert dict[str, Any](outcome.about)["settings"]["badness"] == ("Tunnels", "a test needs it")
     kept = record.load(folder / FIST)
     assert kept.positions[:, 1, 0] == pytest.approx(0.02 * np.arange(31))
     assert kept.raw_positions[:, 0, 0] == pytest.approx(0.02 * np.arange(31))
@@ -109,7 +110,7 @@ def test_second_job_has_the_figures_of_the_first_to_the_bit(folder: Path, engine
 
 
 def test_a_recording_is_kept_while_it_is_whole_and_of_this_job(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def written(**more: object) -> int:
+    def written(**more: Any) -> int:
         accuracy(job("fist", **more), folder)
         return (folder / FIST).stat().st_mtime_ns
 
@@ -129,7 +130,7 @@ def test_a_recording_is_kept_while_it_is_whole_and_of_this_job(folder: Path, mon
 
 def test_frames_cut_a_run_short_and_options_reach_the_engine(folder: Path) -> None:
     outcome = accuracy(job("fist", frames=3, base="other", options={"gain": 2}), folder)
-    assert outcome.frames == 3 and outcome.about["settings"]["gain"] == 2
+    assert outcome.frames == 3 and dict[str, Any](outcome.about)["settings"]["gain"] == 2
 
 
 def test_an_engine_that_raises_has_crashed_and_its_frames_stay(folder: Path) -> None:

@@ -5,7 +5,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -70,6 +70,7 @@ def on(words: list[str], where: generic.Cluster) -> Iterator[tuple[str, str | Di
 def test_each_task_has_its_answer_or_how_it_died(address: str) -> None:
     early = on(["one"] * 4, cluster(address))
     next(early)
+    assert isinstance(early, Generator)
     early.close()
     words = ["one", "die", "two", "raise", "one", "threads"]
     found = list(on(words, cluster(address)))

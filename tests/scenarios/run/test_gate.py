@@ -8,7 +8,7 @@ import pytest
 from avatarsim.errors import InvalidFile, UnknownName
 from runfiles.table import Row
 from scenarios.catalog import scenarios
-from scenarios.job import Job, Outcome
+from scenarios.job import Job, Outcome, State
 from scenarios.measure.value import Missing, Value
 from scenarios.run.gate import bounds_of, ceilings, exit_code, judged, rows_of
 from scenarios.scenario import Bound
@@ -62,7 +62,7 @@ def test_overlap_and_finite_poses_are_always_bounded() -> None:
 
 
 @pytest.mark.parametrize(("state", "code"), [("crashed", 3), ("not-measured", 3), ("cannot-say", 0), ("refused", 0)])
-def test_a_run_without_figures_is_one_row(state: str, code: int) -> None:
+def test_a_run_without_figures_is_one_row(state: State, code: int) -> None:
     rows = rows_of(Outcome(Job("fist", "e", "default"), state, "why"), fist(), {}, True)
     assert [(row.metric, row.status, row.note, row.value) for row in rows] == [("run", state, "why", None)]
     assert exit_code(rows) == code

@@ -2,7 +2,7 @@
 
 import math
 import multiprocessing
-import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -63,7 +63,7 @@ def test_each_repeat_is_a_fresh_load_whatever_ran_before() -> None:
     assert list(lasts[2:4]) == here[1:] and here[2] != here[0]
 
 
-def test_every_frame_is_timed_or_the_engine_has_a_reason(tmp_path: os.PathLike[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_frame_is_timed_or_the_engine_has_a_reason(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(joined(tmp_path))
     before = {child.pid for child in multiprocessing.active_children()}
     jobs = [Job("ball_drop", engine, "default", frames=9) for engine in ("tunnels", "raises", "absent", "dies", "nobody")]
@@ -132,7 +132,7 @@ def test_scenes_share_warm_processes_and_frames() -> None:
 
 
 def test_an_engine_that_dies_has_a_new_process_in_the_next_scene(
-    tmp_path: os.PathLike[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.syspath_prepend(joined(tmp_path))
     with TimedWorkers() as workers:

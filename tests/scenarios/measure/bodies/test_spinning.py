@@ -28,8 +28,8 @@ def test_flips_are_compared_one_by_one_between_frames() -> None:
     assert found["flip_time_error_max"] == pytest.approx(0.001, abs=1e-9)
     # a flip too few is the engine's fault
     for recording in (resting(drop_scene(), FRAMES), swinging(-0.7)):
-        found = flips(recording, expecting(FRAMES, flips=(Flips("ball", 1, (np.pi / 4,)),)), drop_scene())["flip_time_error_max"]
-        assert isinstance(found, Missing) and found.fault == "engine"
+        none = flips(recording, expecting(FRAMES, flips=(Flips("ball", 1, (np.pi / 4,)),)), drop_scene())["flip_time_error_max"]
+        assert isinstance(none, Missing) and none.fault == "engine"
 
 
 def leaning(rate: float) -> Recording:

@@ -1,6 +1,6 @@
 """Time kept: 0 for closed forms with impacts inside frames, the injected share where time stops or runs fast."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +16,7 @@ BALL = 1
 FRAMES = 60
 
 
-def moved(place: Callable[[float], object], velocity: Callable[[float], object]) -> Recording:
+def moved(place: Callable[[float], Sequence[float]], velocity: Callable[[float], Sequence[float]]) -> Recording:
     """Return a recording of the ball along a closed form."""
     recording = resting(drop_scene(), FRAMES)
     recording.positions[:, BALL] = [place(float(t)) for t in recording.times]

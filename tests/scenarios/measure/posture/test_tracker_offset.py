@@ -15,7 +15,7 @@ EVERY = np.ones(5, dtype=bool)
 
 
 def test_following_exactly_is_zero() -> None:
-    found = tracker_offset(resting(arm_scene(), 4), arm_scene(), EVERY)
+    found = dict(tracker_offset(resting(arm_scene(), 4), arm_scene(), EVERY))
     assert found.pop("free_frames") == 100.0 and set(found.values()) == {0.0}
     offsets = {"tracker_offset_max", "tracker_offset_rms", "tracker_offset_rms_free"}
     assert set(found) == {*offsets, "tracker_angle_rms", "tracker_angle_rms_free"}

@@ -13,7 +13,7 @@ from scenarios import catalog
 from scenarios.job import Job, Outcome
 from scenarios.measure.timing import Round, Timed, frame_times
 from scenarios.run import sweep_scenes as phenomena
-from scenarios.run.timing import Clocked
+from scenarios.run.timing import MOST_FRAMES, Clocked
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.settings import ask, plan
 from scenarios.studies.settings.cell import Cell
@@ -217,6 +217,6 @@ def test_a_run_without_its_scenes_has_no_sweep(tmp_path: Path) -> None:
 
 
 def test_cut_frames_are_timed_over_the_same_rendered_frames() -> None:
-    whole = Cell("stop_distance", GRIDS["avatarsim"][0], most=plan.MOST_FRAMES)
+    whole = Cell("stop_distance", GRIDS["avatarsim"][0], most=MOST_FRAMES)
     cut = next(s for s in GRIDS["avatarsim"] if s.cut == 2)
-    assert Cell("stop_distance", cut, most=plan.MOST_FRAMES).timed_frames == 2 * whole.timed_frames
+    assert Cell("stop_distance", cut, most=MOST_FRAMES).timed_frames == 2 * whole.timed_frames
