@@ -111,8 +111,9 @@ from avatarsim.version import VERSION as __version__  # noqa: N811
 
 if TYPE_CHECKING:
     from avatarsim.assets.meshes import pieces_of_mesh
-    from avatarsim.assets.models.load import load_avatar, load_object, load_room
+    from avatarsim.assets.models.load import load_avatar, load_room
     from avatarsim.assets.models.model import Model
+    from avatarsim.assets.motions.carried_object import load_object
     from avatarsim.assets.motions.load import load_motion
     from avatarsim.cleaning import Shield, audit, clean
     from avatarsim.comparing import compare
@@ -146,7 +147,7 @@ _MODULES = {
     "engine": ("FrameRecord", "Settings", "Snapshot"),
     "errors": ("AvatarsimError", "InvalidInput", "StartOverlaps", "WorldsFailed"),
     "assets.meshes": ("pieces_of_mesh",),
-    "assets.models.load": ("load_avatar", "load_object", "load_room"),
+    "assets.models.load": ("load_avatar", "load_room"), "assets.motions.carried_object": ("load_object",),
     "assets.models.model": ("Model",),
     "assets.motions.load": ("load_motion",),
     "cleaning": ("Shield", "audit", "clean"),

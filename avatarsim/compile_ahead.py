@@ -38,10 +38,11 @@ from avatarsim.ik.bare_avatars import BareAvatars
 from avatarsim.ik.goals import approach, make_goal_scratch, make_goals
 from avatarsim.jit import places
 from avatarsim.jit.first_compile import FIRST_COMPILE, seconds
-from avatarsim.jit.kernel import ROOT, config, is_stock, kernel_folder
+from avatarsim.jit.kernel import config, is_stock
 from avatarsim.jit.linking import KernelDispatcher
 from avatarsim.jit.places import NAME, CannotKeep, Places, kept_kernels, missing
 from avatarsim.jit.processor import Cpu, compiled_for, usable
+from avatarsim.jit.source_hash import ROOT, kernel_folder
 from avatarsim.many_worlds import advance_many
 from avatarsim.model.world import build
 from avatarsim.scene.avatar import Avatar, Link

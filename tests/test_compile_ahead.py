@@ -29,9 +29,9 @@ from avatarsim.compile_ahead import (
 )
 from avatarsim.jit import places
 from avatarsim.jit.first_compile import FIRST_COMPILE
-from avatarsim.jit.kernel import ROOT, _closure, kernel_folder
 from avatarsim.jit.places import NAME, SUFFIX, CannotKeep, Places
 from avatarsim.jit.processor import compiled_for, usable
+from avatarsim.jit.source_hash import ROOT, _closure, kernel_folder
 from tests.jit.kernel_package import plain_environment
 
 

@@ -7,10 +7,11 @@ from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
 from avatarsim.assets.models import doors
-from avatarsim.assets.models.load import load_avatar, load_object, load_room
+from avatarsim.assets.models.load import load_avatar, load_room
 from avatarsim.assets.models.mesh_files import candidates
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions.asf_amc import skeleton_beside
+from avatarsim.assets.motions.carried_object import load_object
 from avatarsim.assets.motions.home import ENDINGS, parsed_home
 from avatarsim.assets.motions.load import load_motion, options_of
 from avatarsim.assets.motions.motion_file import MotionFile

@@ -33,6 +33,7 @@ from numba.core.serialize import dumps
 from avatarsim.jit.cache import KernelFiles
 from avatarsim.jit.compiler_passes import KernelCompiler, KernelLibrary, is_large
 from avatarsim.jit.first_compile import FIRST_COMPILE
+from avatarsim.jit.source_hash import source_hash
 
 PREFIX = "avatarsim-sealed:"
 """Start of the name of every sealed kernel: by it the calls are found in a compiled module."""
@@ -203,8 +204,6 @@ def sealed_name(compiled: Any) -> str | None:
 
 
 def _name(compiled: Any) -> str:
-    from avatarsim.jit.kernel import source_hash  # which imports this file
-
     descriptor = compiled.fndesc
     digest = hashlib.sha256(repr((descriptor.argtypes, descriptor.restype)).encode()).hexdigest()[:16]
     return f"{PREFIX}{descriptor.modname}.{descriptor.qualname}:{source_hash(descriptor.lookup_module().__file__)}:{digest}"

@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from avatarsim.jit import kernel
+from avatarsim.jit.source_hash import ROOT
 
 COPIED = (
     "errors.py", "console.py", "files.py", "jit",
@@ -19,7 +19,7 @@ def make_package(folder: Path) -> Path:
     root = folder / "avatarsim"
     root.mkdir(parents=True)
     for name in COPIED:
-        source = kernel.ROOT / name
+        source = ROOT / name
         if source.is_dir():
             shutil.copytree(source, root / name, ignore=shutil.ignore_patterns("__pycache__"))
         else:

@@ -15,8 +15,9 @@ import numpy as np
 import pytest
 
 from avatarsim.files import write_entry
-from avatarsim.jit import kernel as real
+from avatarsim.jit import source_hash as real
 from avatarsim.jit.baseline import LISTED, NAME, runs_baseline
+from avatarsim.jit.kernel import kernel
 from tests.jit.kernel_package import make_package, run_in
 
 CALLEE = (
@@ -76,8 +77,8 @@ def run(package: Path, before: str = "", **environment: str) -> tuple[float, int
 
 
 def loaded(package: Path) -> ModuleType:
-    """Return the copied kernel.py as a module of its own."""
-    spec = importlib.util.spec_from_file_location("copied_kernel", package / "jit" / "kernel.py")
+    """Return the copied source_hash.py as a module of its own."""
+    spec = importlib.util.spec_from_file_location("copied_hash", package / "jit" / "source_hash.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -292,7 +293,7 @@ def test_an_import_of_a_folder_covers_all_in_it(package: Path) -> None:
 
 def test_other_users_of_numba_keep_their_own_folder() -> None:
     before = numba.config.CACHE_DIR
-    real.kernel(same)
+    kernel(same)
     assert numba.config.CACHE_DIR == before
 
 

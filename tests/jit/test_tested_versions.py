@@ -11,8 +11,8 @@ from packaging.requirements import Requirement
 
 from avatarsim.errors import AvatarsimError, UnsupportedVersion
 from avatarsim.jit import tested_versions
-from avatarsim.jit.kernel import ROOT
 from avatarsim.jit.packages import TESTED
+from avatarsim.jit.source_hash import ROOT
 from avatarsim.jit.tested_versions import PRIVATE, guarded, missing, untested
 
 

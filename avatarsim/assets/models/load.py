@@ -1,6 +1,5 @@
 """Entry points `load_avatar` and `load_room`: from a path and options to a Model."""
 
-from dataclasses import replace
 from pathlib import Path
 
 from avatarsim.assets.meshes import pieces_of_mesh
@@ -12,14 +11,10 @@ from avatarsim.assets.models.from_mujoco import Options, model_of_file
 from avatarsim.assets.models.links_of_tree import JointWishes
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.pieces_of_geoms import PLANE, MeshWishes
-from avatarsim.assets.motions.object_poses import ObjectPoses
 from avatarsim.errors import InvalidFile, InvalidShape
 from avatarsim.scene.avatar import PLAUSIBLE_SIZE
 from avatarsim.scene.body import fixed
-from avatarsim.scene.carried import Carried
-from avatarsim.scene.moving import moving
 from avatarsim.scene.shape import Box, Piece
-from avatarsim.spatial import rotation
 
 FLOOR = "floor"
 """Value for level ground without a file."""
@@ -70,47 +65,6 @@ def load_avatar(
             MeshWishes(meshes, most_vertices, repair, fit), leave, masks, size_range=size_range, scale=scale,
             collide=collide, keyframe=keyframe, exclude=exclude,
         ),
-    )
-
-
-def load_object(poses: ObjectPoses, path: str | Path | None = None, *, scale: float | None = None) -> Carried:
-    """Return an object of a motion file as a body that is carried, with its recorded poses: for `clean` and `audit`.
-
-    Args:
-        poses: `load_motion(...).object`.
-        path: a mesh, MJCF or URDF file with the object's shape, in the frame of its poses; of one body in that body's own frame.
-            None for the box of the size that the motion file states.
-        scale: metres a unit of length of the file; by default as the motion file states it, else 1.
-
-    Raises:
-        InvalidFile: for a file without shapes, and for a motion file that states no size where no file is given. Errors of
-            `load_room`.
-    """
-    if path is None:
-        if poses.size is None:
-            raise InvalidFile(f"shape of {poses.name}", None, "object=FILE with a mesh, MJCF or URDF: the motion states no size")
-        pieces: tuple[Piece, ...] = (Piece(Box(poses.size)),)
-    else:
-        room = load_room(path, scale=(poses.scale or 1.0) if scale is None else scale).room
-        if len(room) == 1:
-            pieces = room[0].pieces
-        else:
-            pieces = tuple(
-                replace(
-                    piece, orientation=tuple(rotation.multiply(body.orientation, piece.orientation).tolist()),
-                    position=tuple((rotation.rotate(body.orientation, piece.position) + body.position).tolist()),
-                )
-                for body in room for piece in body.pieces
-            )
-        if not pieces:
-            raise InvalidFile(f"shape of {poses.name} in {Path(path).name}", None, "at least one shape that collides")
-    first = poses.motion
-    return Carried(
-        moving(
-            poses.name, pieces, "wood", position=tuple(first.positions[0, 0].tolist()),
-            orientation=tuple(first.rotations[0, 0].tolist()),
-        ),
-        first,
     )
 
 

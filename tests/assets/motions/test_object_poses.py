@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from avatarsim.assets.models.load import load_object
+from avatarsim.assets.motions.carried_object import load_object
 from avatarsim.assets.motions.load import load_motion
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.shape import Box
