@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare live test docs look headline fuzz hostile soak wheel check bench study report lint lock prune clean FORCE
+.PHONY: help setup compare live test docs look headline fuzz hostile soak coverage wheel check bench study report lint lock prune clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -79,6 +79,10 @@ test: $(READY)  ## every test; then a slice with the kernels as plain Python, on
 	@NUMBA_BOUNDSCHECK=1 $(COMPILED)
 	export NUMBA_BOUNDSCHECK=1; $(ASK) $(ALL_AT_ONCE) $(BOUNDSCHECK) || { $(ASK) $(AGAIN) $(BOUNDSCHECK); exit 1; }
 	export OPENBLAS_CORETYPE=Prescott; $(ASK) $(ALL_AT_ONCE) $(ROUNDED) || { $(ASK) $(AGAIN) $(ROUNDED); exit 1; }
+
+coverage: $(READY)  ## lines of kernels that no frame and no test as plain Python runs: a few minutes
+	export NUMBA_DISABLE_JIT=1; $(VENV_PYTHON) -m coverage run -m pytest $(NOJIT) && \
+	  $(VENV_PYTHON) -m coverage run --append -m tests.jit.whole_frames > /dev/null && $(VENV_PYTHON) -m coverage report
 
 # SCENE=house; ARGS: whatever else the command takes.
 live: $(READY)  ## drive a hand or a human in the browser, other engines beside (SCENE=toys|hand|gallery|house, ARGS='--dark')

@@ -386,7 +386,7 @@ def passes(
         _, square = gauss_seidel_sweep(contacts, first, last, True, grip, before)
         # Fletcher-Reeves; a growing change means that the set of touching or slipping points changed: start again. The last
         # impulses are left as the sweep projected them
-        beta = square / last_square if 0 < sweep < cap - 1 and square <= last_square else 0.0
+        beta = square / last_square if 0 < sweep < cap - 1 and 0.0 < square <= last_square else 0.0
         astray = astray + 1 if beta == 0.0 else 0
         last_square = square
         go_on_along(contacts, first, last, beta, before, direction)
