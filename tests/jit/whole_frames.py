@@ -5,13 +5,13 @@ from avatarsim.simulator import AvatarsimEngine
 from scenarios import catalog
 
 SCENES = {
-    "arm_in_corner": 60, "arms_through_chest": 50, "carried_mug": 12, "closing_door": 40, "coins": 5, "coupling_sweep": 60,
-    "dominoes": 3, "door_and_boxes": 8, "elastic_20s": 100, "hand_grasp": 20, "hand_in_corner": 8, "heap_50": 4,
-    "incline_tips": 30, "lift": 30, "limit_torture": 20, "log_roll": 40, "mocap_getup_floor": 40, "mocap_walk_wall": 60,
-    "mug_in_fingers": 20, "painleve": 8, "parallel_link": 40, "press_coin": 20, "slide_to_roll": 40, "start_inside": 3,
-    "superball": 60, "tray": 25, "tunnelling": 10, "turntable": 15, "walk_through_obstacles": 80, "worn_floor": 6, "zeno": 60,
+    "arm_in_corner": 24, "arms_through_chest": 20, "carried_mug": 4, "closing_door": 16, "coins": 5, "coupling_sweep": 24,
+    "dominoes": 3, "door_and_boxes": 8, "elastic_20s": 40, "hand_grasp": 8, "hand_in_corner": 8, "heap_50": 4,
+    "incline_tips": 12, "lift": 12, "limit_torture": 8, "log_roll": 16, "mocap_getup_floor": 16, "mocap_walk_wall": 24,
+    "mug_in_fingers": 8, "painleve": 8, "parallel_link": 16, "press_coin": 8, "slide_to_roll": 16, "start_inside": 3,
+    "superball": 24, "tray": 10, "tunnelling": 10, "turntable": 6, "walk_through_obstacles": 32, "worn_floor": 6, "zeno": 24,
 }
-"""Scene -> frames, about half a second each as plain Python; together they run most of the kernels' lines."""
+"""Scene -> frames, about a quarter of a second each as plain Python; together they run most of the kernels' lines."""
 
 
 def hashes(preset: str, name: str, frames: int) -> str:
