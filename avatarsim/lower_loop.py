@@ -52,7 +52,7 @@ from avatarsim.jit.layout import Array, Index, IndexLine
 from avatarsim.model.skeleton import Posture, carry, forward
 from avatarsim.model.world import Target, TargetParts, World, WorldParts
 from avatarsim.planner.follow_path import aim_along_paths
-from avatarsim.planner.state import Ghost, Plan, make_planner, plan_is_sound
+from avatarsim.planner.state import Plan, PlanningAvatar, make_planner, plan_is_sound
 from avatarsim.planner.supervisor import drop_paths, supervise
 from avatarsim.rigid.state import trail_snapshots
 from avatarsim.settings import CouplingSettings, PostureSettings
@@ -80,22 +80,22 @@ class IkParts(NamedTuple):
     state: IkState
     working: Annotated[IkScratch, NOT_KEPT]
     plan: Plan
-    ghost: Annotated[Ghost, NOT_KEPT]
+    planning_avatar: Annotated[PlanningAvatar, NOT_KEPT]
 
 
 @kernel
 def solve_postures(w: WorldParts, own: IkParts, tracker: Posture, dt: float, moving: Index) -> None:
     """Solve for the postures of a frame of dt [s], or, with 0, go on within it: within its motion budget."""
     rig, settings, state, working = Rig(w.geometry, w.skeleton, own.avatars), own.settings, own.state, own.working
-    posture, poses, plan, ghost = w.posture, w.poses, own.plan, own.ghost
+    posture, poses, plan, planning_avatar = w.posture, w.poses, own.plan, own.planning_avatar
     begin_frame(rig, settings, tracker, dt, moving, posture, poses, state, working)
     freeze_coupled(rig, w.dynamics, state)
     if dt > 0.0:
-        drop_paths(rig, tracker, posture, poses, plan, ghost, state, working)
+        drop_paths(rig, tracker, posture, poses, plan, planning_avatar, state, working)
     aim_along_paths(rig, settings, dt, posture, poses, plan, state, working)
     solve(rig, settings, posture, poses, state, working)
     if dt > 0.0:
-        supervise(rig, settings, tracker, dt, posture, poses, plan, ghost, state, working)
+        supervise(rig, settings, tracker, dt, posture, poses, plan, planning_avatar, state, working)
 
 
 @kernel
@@ -216,7 +216,7 @@ class IkLoop:
         self._parts = own
         self.trackers, self.avatars, self.state, self.working = own.trackers, own.avatars, own.state, own.working
         self.lost = own.lost
-        self.plan, self.ghost = own.plan, own.ghost
+        self.plan, self.planning_avatar = own.plan, own.planning_avatar
         self._link_weight = self.avatars.link_weight.copy()
 
     def weigh_links(self, factors: Array) -> None:

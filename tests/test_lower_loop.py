@@ -23,7 +23,7 @@ def test_frames_through_arenas_are_the_same_to_the_last_bit(name: str) -> None:
     target, lower = Target(world), IkLoop(world, chosen.posture, chosen.coupling)
     lower.watch(NOT_KNOWN)
     worked, w = 0, apart.world
-    plan, ghost = make_planner(
+    plan, planning_avatar = make_planner(
         w.geometry, w.skeleton, apart.avatars, apart.state, w.posture, w.poses, np.array(scene.gravity), 0
     )
     for sample in drawn(scene, 11, 40):
@@ -33,10 +33,10 @@ def test_frames_through_arenas_are_the_same_to_the_last_bit(name: str) -> None:
         geo, skel, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
         avatars, state, working = apart.avatars, apart.state, apart.working
         begin_frame(Rig(geo, skel, avatars), chosen.posture, tracker, dt, NOT_KNOWN, posture, poses, state, working)
-        drop_paths(Rig(geo, skel, avatars), tracker, posture, poses, plan, ghost, state, working)
+        drop_paths(Rig(geo, skel, avatars), tracker, posture, poses, plan, planning_avatar, state, working)
         aim_along_paths(Rig(geo, skel, avatars), chosen.posture, dt, posture, poses, plan, state, working)
         solve(Rig(geo, skel, avatars), chosen.posture, posture, poses, state, working)
-        supervise(Rig(geo, skel, avatars), chosen.posture, tracker, dt, posture, poses, plan, ghost, state, working)
+        supervise(Rig(geo, skel, avatars), chosen.posture, tracker, dt, posture, poses, plan, planning_avatar, state, working)
         plain = leaves((w.posture, w.poses, apart.state, plan))
         packed = leaves((world.posture, world.poses, lower.state, lower.plan))
         for one, other in zip(plain, packed, strict=True):

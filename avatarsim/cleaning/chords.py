@@ -1,6 +1,6 @@
 """Queries of recorded postures: motion segments proved free, nearest pairs, limits. On arrays of their own.
 
-The kernels, the method and its source are those of `avatarsim.ik.chord`.
+The kernels, the method and its source are those of `avatarsim.ik.motion_ccd`.
 """
 
 from collections.abc import Iterable, Sequence
@@ -14,8 +14,8 @@ from avatarsim.assets.models.load import load_room
 from avatarsim.assets.models.model import Model
 from avatarsim.cleaning.result import Options
 from avatarsim.errors import InvalidInput
-from avatarsim.ik.chord import free_until, make_chord, nearest_at, pair_gaps
 from avatarsim.ik.clip_posture import clip_posture
+from avatarsim.ik.motion_ccd import free_until, make_motion_segment, nearest_at, pair_gaps
 from avatarsim.jit.arena import pack
 from avatarsim.model.conversion import mix_samples
 from avatarsim.model.skeleton import BALL, FREE
@@ -44,7 +44,7 @@ class Chords:
 
     def __init__(self, scene: Scene) -> None:
         self.scene, self.world = scene, build(scene)
-        self.words, self.parts = pack(make_chord(self.world))
+        self.words, self.parts = pack(make_motion_segment(self.world))
         self._owner, self._hinges = self.world.geometry.body, self.world.hinges
         kinds = self.world.skeleton.kind
         moves = np.repeat([avatar.moves for avatar in scene.avatars], [len(avatar.links) for avatar in scene.avatars])

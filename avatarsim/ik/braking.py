@@ -22,10 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.ik.certificate import nearest_direction
-from avatarsim.ik.chord import Chord, go_along, list_pairs, put_at
 from avatarsim.ik.constraints import add_witness_row, along_row, check_limits, clear_row
 from avatarsim.ik.gaps import stand_off_of
 from avatarsim.ik.kinematics import take_step
+from avatarsim.ik.motion_ccd import MotionSegment, go_along, list_pairs, put_at
 from avatarsim.ik.qp import BOUND, BUDGET, CUTS, add_bound, has_bound, solve_dual
 from avatarsim.ik.rate_limits import (
     WIDEST_TURN,
@@ -92,16 +92,16 @@ BRAKED, STEPPED, ARRIVED = (int(one) for one in Outcome)
 
 @kernel
 def add_dampers(
-    rig: Rig, margin: float, opening: float, base: Line, steps: float, chord_out: Chord, braking_out: Braking
+    rig: Rig, margin: float, opening: float, base: Line, steps: float, segment_out: MotionSegment, braking_out: Braking
 ) -> None:
     """Add rows at the posture that so many steps `base` (nd) lead to: of a step that takes its place, the gap of a near pair
     stays at the margin [m] or above; one that is below opens, by at most `opening` [m] a call."""
-    c, b = chord_out, braking_out
+    c, b = segment_out, braking_out
     s = b.scratch
     copy_posture(rig, 0, b.shown, c.start)
     for j in range(base.shape[0]):
         c.step[j] = steps * base[j]
-    c.bend[:] = 0.0
+    c.curvature[:] = 0.0
     put_at(rig.geo, rig.skel, 1.0, c, c.one)
     put_at(rig.geo, rig.skel, 1.0, c, c.other)
     count = list_pairs(rig.geo, rig.skel, REACH, c)
@@ -258,9 +258,9 @@ def keeps_joints(rig: Rig, calls: int, steps: float, braking: Braking) -> bool:
 
 
 @kernel
-def is_certified(rig: Rig, chord_out: Chord, braking: Braking) -> bool:
+def is_certified(rig: Rig, segment_out: MotionSegment, braking: Braking) -> bool:
     """Return True if the trial and the way to rest after it are proved free and within limits."""
-    c, b = chord_out, braking
+    c, b = segment_out, braking
     calls = calls_to_rest(b, b.trial)
     steps = steps_to_rest(calls)
     is_kept = keeps_joints(rig, calls, steps, b)
@@ -274,11 +274,9 @@ def is_certified(rig: Rig, chord_out: Chord, braking: Braking) -> bool:
 
 
 @kernel
-def find_step(
-    rig: Rig, margin: float, opening: float, chord_out: Chord, braking_out: Braking
-) -> bool:
+def find_step(rig: Rig, margin: float, opening: float, segment_out: MotionSegment, braking_out: Braking) -> bool:
     """Find the trial: a step with a proof; return False if there is none."""
-    c, b, tolerance = chord_out, braking_out, SOLVED * margin
+    c, b, tolerance = segment_out, braking_out, SOLVED * margin
     b.pairs.step[0] += 1
     steps = set_caps(most_calls_to_rest(b), b)
     choose_wanted(rig, b)
@@ -327,9 +325,9 @@ def take(rig: Rig, is_found: bool, braking_out: Braking) -> int:
 
 
 @entry_kernel
-def rest_at(world: Index, chord: Index, braking: Index, positions: Array, rotations: Array, angles: Array) -> None:
+def rest_at(world: Index, segment: Index, braking: Index, positions: Array, rotations: Array, angles: Array) -> None:
     """Begin at rest at a posture, which has been checked and is free."""
-    w, c, b = view_arena(world, WorldParts), view_arena(chord, Chord), view_arena(braking, Braking)
+    w, c, b = view_arena(world, WorldParts), view_arena(segment, MotionSegment), view_arena(braking, Braking)
     rig = Rig(w.geometry, w.skeleton, b.avatars)
     read_sample(positions, rotations, angles, c.hinges, b.shown)
     copy_posture(rig, 0, b.shown, b.target)
@@ -339,11 +337,11 @@ def rest_at(world: Index, chord: Index, braking: Index, positions: Array, rotati
 
 @entry_kernel
 def step_towards(
-    world: Index, chord: Index, braking: Index, positions: Array, rotations: Array, angles: Array, margin: float, opening: float
+    world: Index, segment: Index, braking: Index, positions: Array, rotations: Array, angles: Array, margin: float, opening: float
 ) -> tuple[int, bool]:
     """Take the step of a call towards a posture, which has been checked; return the outcome, and whether the posture is within
     the limits of joints. `margin` [m] is the gap that pairs keep, `opening` [m] the most that pairs below it open."""
-    w, c, b = view_arena(world, WorldParts), view_arena(chord, Chord), view_arena(braking, Braking)
+    w, c, b = view_arena(world, WorldParts), view_arena(segment, MotionSegment), view_arena(braking, Braking)
     rig = Rig(w.geometry, w.skeleton, b.avatars)
     read_sample(positions, rotations, angles, c.hinges, c.start)
     clip_avatar(rig, 0, c.start, b.tracking, b.incoming)
@@ -364,10 +362,10 @@ def brake_once(world: Index, braking: Index) -> None:
 
 @entry_kernel
 def posture_ahead(
-    world: Index, chord: Index, braking: Index, calls: int, positions_out: Array, rotations_out: Array, angles_out: Array
+    world: Index, segment: Index, braking: Index, calls: int, positions_out: Array, rotations_out: Array, angles_out: Array
 ) -> None:
     """Write the posture after so many calls of braking from here."""
-    w, c, b = view_arena(world, WorldParts), view_arena(chord, Chord), view_arena(braking, Braking)
+    w, c, b = view_arena(world, WorldParts), view_arena(segment, MotionSegment), view_arena(braking, Braking)
     rig = Rig(w.geometry, w.skeleton, b.avatars)
     total = float(max(b.calls[0], 1))
     for j in range(b.step.shape[0]):

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.ik.chord import Chord
+from avatarsim.ik.motion_ccd import MotionSegment
 from avatarsim.jit.arena import view_arena
 from avatarsim.jit.kernel import entry_kernel
 from avatarsim.model.conversion import read_sample
@@ -19,10 +19,10 @@ Index = NDArray[np.int64]
 
 
 @entry_kernel
-def clip_posture(world: Index, chord: Index, positions: Array, rotations: Array, angles: Array) -> tuple[float, float]:
-    """Clip a posture to the limits of its joints, into `Chord.end`; return the largest excess of an angle [rad] and of a slide
+def clip_posture(world: Index, segment: Index, positions: Array, rotations: Array, angles: Array) -> tuple[float, float]:
+    """Clip a posture to its joint limits, into `MotionSegment.end`; return the largest excess of an angle [rad] and of a slide
     [m], or a follower's distance from its leader."""
-    w, c = view_arena(world, WorldParts), view_arena(chord, Chord)
+    w, c = view_arena(world, WorldParts), view_arena(segment, MotionSegment)
     skel, turned, slid = w.skeleton, 0.0, 0.0
     read_sample(positions, rotations, angles, c.hinges, c.start)
     read_sample(positions, rotations, angles, c.hinges, c.end)

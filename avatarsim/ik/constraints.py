@@ -273,9 +273,7 @@ def check_limits(rig: Rig, avatar: int, posture: Posture, is_adding: bool, scrat
 
 
 @kernel
-def add_limit_rows(
-    skel: Skeleton, avatar: int, link: int, turn: tuple[Vec3, Vec3, Vec3], scratch_out: IkScratch
-) -> None:
+def add_limit_rows(skel: Skeleton, avatar: int, link: int, turn: tuple[Vec3, Vec3, Vec3], scratch_out: IkScratch) -> None:
     """Add rows that turn the ball of a link, at rotation `turn` at the trial, back inside the limits that it breaks."""
     d = skel.first_dof[link]
     swing, twist, back = swing_and_twist(skel.balls, link, turn)

@@ -34,7 +34,7 @@ more: slowest frames of hands that grip take longer."""
 def add_friction(rig: Rig, settings: PostureSettings, members: int, poses: Poses, state: IkState, scratch_out: IkScratch) -> None:
     """Append friction rows for the contacts with fixed bodies that press hardest, HELD for each of so many members.
 
-    The planner's ghost has none."""
+    The planning avatar has none."""
     rows, count = scratch_out.rows, scratch_out.rows.used[0]
     for k in range(count):
         rows.before[k] = largest_force(rig, k, state, rows)

@@ -97,7 +97,7 @@ def goal_of(avatar: int, j: int, newton: float, state: IkState, own: Array) -> f
 def resist(rig: Rig, avatar: int, state: IkState, objective_out: Objective) -> None:
     """Replace the Newton step by the step with inertia.
 
-    The root is not damped towards a target that is drawn near, which moves away as the root moves. The planner's ghost has no
+    The root is not damped towards a target that is drawn near, which moves away as the root moves. The planning avatar has no
     inertia."""
     skel, avatars = rig.skel, rig.avatars
     o, root = objective_out, avatars.first_link[avatar]

@@ -126,9 +126,7 @@ def is_looked_at(rig: Rig, search: FreeSearch, b: int, other: int) -> bool:
 
 
 @kernel
-def add_rows(
-    rig: Rig, poses: Poses, margin: float, is_strict: bool, within: float, search_out: FreeSearch
-) -> float:
+def add_rows(rig: Rig, poses: Poses, margin: float, is_strict: bool, within: float, search_out: FreeSearch) -> float:
     """Begin the rows anew, one per pair at most `within` [m] apart; return the least gap [m], beyond the need of its pair."""
     s, avatars, worst = search_out.scratch, rig.avatars, inf
     s.rows.used[0], s.rows.ready[0] = 0, 0
@@ -146,9 +144,7 @@ def add_rows(
 
 
 @kernel
-def gap_of(
-    geo: Geometry, poses: Poses, a: int, b: int, within: float, scratch: IkScratch
-) -> tuple[float, Vec3, Vec3, Vec3]:
+def gap_of(geo: Geometry, poses: Poses, a: int, b: int, within: float, scratch: IkScratch) -> tuple[float, Vec3, Vec3, Vec3]:
     """Return the gap [m] of two pieces beyond the depth that they may have, -inf if it is not known, with normal and points as
     `signed_distance_up_to`."""
     scratch.counts[QUERIES] += 1
@@ -188,8 +184,7 @@ def pushed_at(rig: Rig, piece: int, gap: float, point: Vec3, poses: Poses) -> Ve
 
 @kernel
 def add_row(
-    rig: Rig, poses: Poses, a: int, b: int, margin: float, is_strict: bool, within: float,
-    search_out: FreeSearch,
+    rig: Rig, poses: Poses, a: int, b: int, margin: float, is_strict: bool, within: float, search_out: FreeSearch
 ) -> float:
     """Add rows of pieces a and b, if they are near; return by how much [m] their gap is more than they need.
 
@@ -273,9 +268,7 @@ def copy_solved(rig: Rig, posture: Posture, posture_out: Posture, search: FreeSe
 
 
 @kernel
-def is_better(
-    rig: Rig, posture: Posture, poses: Poses, worst: float, least: float, search_out: FreeSearch
-) -> float:
+def is_better(rig: Rig, posture: Posture, poses: Poses, worst: float, least: float, search_out: FreeSearch) -> float:
     """Return the least f of a free posture so far; if this one is free and has less, it is kept as the best."""
     if not (worst >= 0.0):
         return least
@@ -288,8 +281,7 @@ def is_better(
 
 @kernel
 def restore(
-    rig: Rig, margin: float, is_strict: bool, posture_out: Posture, poses_out: Poses, most: float,
-    search_out: FreeSearch,
+    rig: Rig, margin: float, is_strict: bool, posture_out: Posture, poses_out: Poses, most: float, search_out: FreeSearch
 ) -> float:
     """Take whole steps until the posture is free and settled; return the least f of free postures on the way, else infinity."""
     pull, within, dropped, least = 1.0, NEAR, search_out.scratch.counts[DROPPED], inf
@@ -312,8 +304,7 @@ def restore(
 
 @kernel
 def descend(
-    rig: Rig, margin: float, is_strict: bool, posture_out: Posture, poses_out: Poses, least: float,
-    search_out: FreeSearch,
+    rig: Rig, margin: float, is_strict: bool, posture_out: Posture, poses_out: Poses, least: float, search_out: FreeSearch
 ) -> float:
     """Descend from the best posture, which is free, to one with less f by steps that keep it free; return the f reached."""
     for _ in range(DESCENDING):

@@ -59,10 +59,10 @@ def angle_between(a: Vec3, b: Vec3) -> float:
 
 
 @kernel
-def chord(a: Vec3, b: Vec3) -> float:
+def squared_chord(a: Vec3, b: Vec3) -> float:
     """Return the squared distance of two unit vectors: it grows as their angle does and costs no arc tangent."""
-    way = sub(a, b)
-    return dot(way, way)
+    apart = sub(a, b)
+    return dot(apart, apart)
 
 
 @kernel
@@ -112,10 +112,10 @@ def nearest_in_reach(balls: BallLimits, link: int, limb: Vec3, most: float) -> V
         return limb
     centre = row(balls.centre, link)
     best = row(balls.sight, link)
-    least = chord(best, limb)
+    least = squared_chord(best, limb)
     candidate = nearest_on_circle(centre, most, limb)
-    if chord(candidate, limb) < least and is_in_reach(balls, link, candidate):
-        best, least = candidate, chord(candidate, limb)
+    if squared_chord(candidate, limb) < least and is_in_reach(balls, link, candidate):
+        best, least = candidate, squared_chord(candidate, limb)
     for k in range(balls.first_corner[link + 1] - balls.first_corner[link]):
         if is_plane_beyond(balls, link, k, limb, least):
             continue
@@ -125,7 +125,7 @@ def nearest_in_reach(balls: BallLimits, link: int, limb: Vec3, most: float) -> V
         for which in range(4):
             if which == 0:
                 candidate = nearest_on_edge(start, end, inward, limb)
-                if not (chord(candidate, limb) < least):
+                if not (squared_chord(candidate, limb) < least):
                     break
             elif which == 1:
                 candidate = start
@@ -133,7 +133,7 @@ def nearest_in_reach(balls: BallLimits, link: int, limb: Vec3, most: float) -> V
                 crosses, candidate = crossing(start, end, inward, centre, most, which == 2)
                 if not crosses:
                     continue
-            away = chord(candidate, limb)
+            away = squared_chord(candidate, limb)
             if away < least and swing_of(balls, link, candidate) <= most + ROUNDING:
                 best, least = candidate, away
                 if which == 0:

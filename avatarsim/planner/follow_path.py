@@ -27,7 +27,7 @@ from avatarsim.ik.target import copy_posture, largest
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Array, Poses
 from avatarsim.model.skeleton import Posture
-from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan
+from avatarsim.planner.state import NODES, NONE, Phase, Plan, PlanningAvatar
 from avatarsim.planner.tree import AIM, drawn, get_node
 from avatarsim.settings import PostureSettings
 from avatarsim.tolerances import FINE
@@ -59,7 +59,7 @@ alone, since the avatar moves on meanwhile."""
 
 
 @kernel
-def begin_cut(rig: Rig, settings: PostureSettings, avatar: int, first: int, plan_out: Plan, ghost_out: Ghost) -> bool:
+def begin_cut(rig: Rig, settings: PostureSettings, avatar: int, first: int, plan_out: Plan, planning_out: PlanningAvatar) -> bool:
     """Choose two places of the path, from `first` on, between which a straight way is tried; False if nothing is to gain."""
     s = plan_out.searches
     last = s.length[avatar] - 1
@@ -72,16 +72,16 @@ def begin_cut(rig: Rig, settings: PostureSettings, avatar: int, first: int, plan
     aim_at = plan_out.path[avatar, s.cut_to[avatar]]
     for i in range(plan_out.node.shape[2]):
         plan_out.node[avatar, AIM, i] = plan_out.node[avatar, aim_at, i]
-    spare(rig, settings, avatar, s.cut_to[avatar], plan_out, ghost_out)
+    spare(rig, settings, avatar, s.cut_to[avatar], plan_out, planning_out)
     return True
 
 
 @kernel
-def begin_end(rig: Rig, settings: PostureSettings, avatar: int, first: int, plan_out: Plan, ghost_out: Ghost) -> None:
+def begin_end(rig: Rig, settings: PostureSettings, avatar: int, first: int, plan_out: Plan, planning_out: PlanningAvatar) -> None:
     """Leave the path for the present target, node AIM: from its end, if that is elsewhere, else from a place of it, from `first`
     on, for a shorter way."""
     avatars = rig.avatars
-    g, s = ghost_out, plan_out.searches
+    g, s = planning_out, plan_out.searches
     last = s.length[avatar] - 1
     time_between(rig, settings, avatar, plan_out.path[avatar, last], AIM, plan_out, g)
     far = largest(g.scratch.objective.error, avatars.first_dof[avatar], avatars.first_dof[avatar + 1])
@@ -91,12 +91,12 @@ def begin_end(rig: Rig, settings: PostureSettings, avatar: int, first: int, plan
 
 
 @kernel
-def spare(rig: Rig, settings: PostureSettings, avatar: int, end: int, plan_out: Plan, ghost_out: Ghost) -> None:
+def spare(rig: Rig, settings: PostureSettings, avatar: int, end: int, plan_out: Plan, planning_out: PlanningAvatar) -> None:
     """Note how long the path takes from where the shortcut leaves it to place `end`."""
     s, path = plan_out.searches, plan_out.path
     s.spared[avatar] = 0.0
     for i in range(s.cut_from[avatar], end):
-        s.spared[avatar] += time_between(rig, settings, avatar, path[avatar, i], path[avatar, i + 1], plan_out, ghost_out)
+        s.spared[avatar] += time_between(rig, settings, avatar, path[avatar, i], path[avatar, i + 1], plan_out, planning_out)
 
 
 @kernel
@@ -133,23 +133,25 @@ def end_cut(avatar: int, has_reached: bool, is_lost: bool, plan_out: Plan) -> No
 
 
 @kernel
-def spares_time(rig: Rig, settings: PostureSettings, avatar: int, plan: Plan, ghost_out: Ghost) -> bool:
+def spares_time(rig: Rig, settings: PostureSettings, avatar: int, plan: Plan, planning_out: PlanningAvatar) -> bool:
     """Return True if a shortcut, and a straight way from its present end to its goal, takes less time than the part that it is to
     replace. From the end of the path there is no other way."""
     s, total, last = plan.searches, 0.0, plan.path[avatar, plan.searches.cut_from[avatar]]
     if s.cut_from[avatar] == s.length[avatar] - 1:
         return True
     for k in range(s.begun[avatar], s.count[avatar]):
-        total += time_between(rig, settings, avatar, last, k, plan, ghost_out)
+        total += time_between(rig, settings, avatar, last, k, plan, planning_out)
         last = k
-    total += time_between(rig, settings, avatar, last, AIM, plan, ghost_out)
+    total += time_between(rig, settings, avatar, last, AIM, plan, planning_out)
     return bool(total < s.spared[avatar])
 
 
 @kernel
-def time_between(rig: Rig, settings: PostureSettings, avatar: int, k: int, m: int, plan: Plan, ghost_out: Ghost) -> float:
-    """Return the time [s] that the catch-up speeds take from node k to node m. The ghost's posture and aim are these then."""
-    g = ghost_out
+def time_between(
+    rig: Rig, settings: PostureSettings, avatar: int, k: int, m: int, plan: Plan, planning_out: PlanningAvatar
+) -> float:
+    """Return the time [s] that the catch-up speeds take from node k to node m; sets posture and aim of the planning avatar."""
+    g = planning_out
     get_node(rig, avatar, k, plan, g.posture)
     get_node(rig, avatar, m, plan, g.aim)
     tangent_error(rig, avatar, g.posture, g.aim, g.scratch.objective.error)

@@ -20,8 +20,8 @@ from avatarsim.ik.state import FORWARDS, Rig
 from avatarsim.ik.target import copy_posture
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.skeleton import FREE, Posture
-from avatarsim.planner.ghost import put_ghost
-from avatarsim.planner.state import GOAL_NODE, Ghost, Outcome, Phase, Plan
+from avatarsim.planner.planning_avatar import place_planning_avatar
+from avatarsim.planner.state import GOAL_NODE, Outcome, Phase, Plan, PlanningAvatar
 from avatarsim.planner.tree import get_node
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import norm, put_row, row, scale, sub
@@ -37,10 +37,10 @@ CANDIDATES = JOINTS * (1 + DIRECTIONS * RINGS)
 
 
 @kernel
-def place_candidate(rig: Rig, avatar: int, number: int, shown: Posture, target: Posture, ghost_out: Ghost) -> bool:
-    """Put the ghost at a candidate; False without one of this number: without a free root, or at the target already."""
+def place_candidate(rig: Rig, avatar: int, number: int, shown: Posture, target: Posture, planning_out: PlanningAvatar) -> bool:
+    """Put the planning avatar at a candidate; False without one of this number: without a free root, or at the target already."""
     skel = rig.skel
-    g, root = ghost_out, rig.avatars.first_link[avatar]
+    g, root = planning_out, rig.avatars.first_link[avatar]
     joints, place = number % JOINTS, number // JOINTS
     if number > 0 and skel.kind[root] != FREE:
         return False
@@ -61,16 +61,18 @@ def place_candidate(rig: Rig, avatar: int, number: int, shown: Posture, target: 
             if far < aside:
                 return False
             put_row(g.posture.root, root, sub(row(target.root, root), scale(back, -aside / far)))
-    put_ghost(rig, avatar, g)
+    place_planning_avatar(rig, avatar, g)
     return True
 
 
 @kernel
-def is_goal(rig: Rig, settings: PostureSettings, avatar: int, target: Posture, value: float, ghost_out: Ghost) -> bool:
-    """Return True if the ghost is free where a path may end: the shown posture's objective is `value` [m^2].
+def is_goal(
+    rig: Rig, settings: PostureSettings, avatar: int, target: Posture, value: float, planning_out: PlanningAvatar
+) -> bool:
+    """Return True if the planning avatar is free where a path may end: the shown posture's objective is `value` [m^2].
 
-    The ghost's own objective holds the link origins of the target."""
-    g = ghost_out
+    The planning avatar's own objective holds the link origins of the target."""
+    g = planning_out
     tangent_error(rig, avatar, g.posture, target, g.scratch.objective.error)
     there, _ = value_of(rig, avatar, g.state, g.poses, g.scratch.objective)
     if not there <= CLOSER * value:
@@ -79,9 +81,9 @@ def is_goal(rig: Rig, settings: PostureSettings, avatar: int, target: Posture, v
 
 
 @kernel
-def is_free(rig: Rig, settings: PostureSettings, ghost_out: Ghost) -> bool:
-    """Return True if the ghost overlaps nothing and keeps its limits: then standing still is certified."""
-    g = ghost_out
+def is_free(rig: Rig, settings: PostureSettings, planning_out: PlanningAvatar) -> bool:
+    """Return True if the planning avatar overlaps nothing and keeps its limits: then standing still is certified."""
+    g = planning_out
     g.scratch.step[:] = 0.0
     g.state.tracking.is_certified[g.scratch.members[0]] = 0
     return certify(rig, settings, g.posture, g.poses, 0, 1, False, False, g.state, g.scratch) == 0
@@ -94,35 +96,35 @@ SEARCHING, FOUND, STALE = int(Outcome.SEARCHING), int(Outcome.FOUND), int(Outcom
 @kernel
 def buy(
     rig: Rig, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture, shown: Posture, value: float,
-    plan_out: Plan, ghost_out: Ghost,
+    plan_out: Plan, planning_out: PlanningAvatar,
 ) -> int:
     """Return the state before a slice. STALE if the goal, or the present end of the path, is no nearer to the target as it is
     than the avatar; FOUND if the path ends at a goal, is paid, and has been shortened for a frame. Else it is kept, and shortened
     on."""
     s, has_path = plan_out.searches, plan_out.searches.phase[avatar] >= CUT
     end = plan_out.path[avatar, s.length[avatar] - 1] if has_path else GOAL_NODE
-    aim_at_tracker(rig, avatar, tracker, ghost_out)
-    there = value_at(rig, avatar, end, target, plan_out, ghost_out)
+    aim_at_tracker(rig, avatar, tracker, planning_out)
+    there = value_at(rig, avatar, end, target, plan_out, planning_out)
     if not there < value:
         return STALE
     if not has_path:
         return SEARCHING
     before = s.lasts[avatar]
-    s.lasts[avatar], price = cost_of(rig, settings, avatar, target, shown, value, plan_out, ghost_out)
+    s.lasts[avatar], price = cost_of(rig, settings, avatar, target, shown, value, plan_out, planning_out)
     return FOUND if before > 0.0 and there <= CLOSER * value and price <= s.paid[avatar] else SEARCHING
 
 
 @kernel
-def aim_at_tracker(rig: Rig, avatar: int, tracker: Posture, ghost_out: Ghost) -> None:
-    """Compute the link origins of the tracker's posture for the ghost."""
-    ghost_out.state.tracking.is_located[avatar] = 0
-    locate(rig, avatar, tracker, ghost_out.state.tracking, ghost_out.scratch.objective)
+def aim_at_tracker(rig: Rig, avatar: int, tracker: Posture, planning_out: PlanningAvatar) -> None:
+    """Compute the link origins of the tracker's posture for the planning avatar."""
+    planning_out.state.tracking.is_located[avatar] = 0
+    locate(rig, avatar, tracker, planning_out.state.tracking, planning_out.scratch.objective)
 
 
 @kernel
-def value_at(rig: Rig, avatar: int, k: int, target: Posture, plan: Plan, ghost_out: Ghost) -> float:
-    """Return the objective [m^2] at node k. The ghost has its posture and link origins then, and no shapes."""
-    g = ghost_out
+def value_at(rig: Rig, avatar: int, k: int, target: Posture, plan: Plan, planning_out: PlanningAvatar) -> float:
+    """Return the objective [m^2] at node k. The planning avatar has its posture and link origins then, and no shapes."""
+    g = planning_out
     get_node(rig, avatar, k, plan, g.posture)
     carry_avatar(rig, avatar, g.posture, g.scratch.still, g.poses, g.state.axes)
     g.scratch.counts[FORWARDS] += 1
@@ -133,12 +135,13 @@ def value_at(rig: Rig, avatar: int, k: int, target: Posture, plan: Plan, ghost_o
 
 @kernel
 def cost_of(
-    rig: Rig, settings: PostureSettings, avatar: int, target: Posture, shown: Posture, value: float, plan: Plan, ghost_out: Ghost
+    rig: Rig, settings: PostureSettings, avatar: int, target: Posture, shown: Posture, value: float, plan: Plan,
+    planning_out: PlanningAvatar,
 ) -> tuple[float, float]:
     """Return the time [s] of a path and its price [m^2 s]: the objective beyond the shown posture's, summed over that time.
 
-    The ghost's objective holds the link origins of the tracker."""
-    g, total, price, before = ghost_out, 0.0, 0.0, value
+    The planning avatar's objective holds the link origins of the tracker."""
+    g, total, price, before = planning_out, 0.0, 0.0, value
     copy_posture(rig, avatar, shown, g.aim)
     for i in range(plan.searches.length[avatar]):
         there = value_at(rig, avatar, plan.path[avatar, i], target, plan, g)

@@ -1,7 +1,7 @@
-"""State of the planner: the search of each avatar from frame to frame, and the ghost, an unseen avatar that takes its steps.
+"""State of the planner: the search of each avatar from frame to frame, and the planning avatar, unseen, that takes its steps.
 
-A search lasts many frames, in slices of work, so all of it is kept: trees, random generator, the extension it is in. The ghost is
-working memory: as a slice begins it is placed at a node, among everything else as it is shown, with nothing remembered.
+A search lasts many frames, in slices of work, so all of it is kept: trees, random generator, the extension it is in. The planning
+avatar is working memory: as a slice begins it is placed at a node, among everything else as it is shown, with nothing remembered.
 
 The arrays of the planner, made once per scene.
 """
@@ -163,7 +163,7 @@ class Plan(NamedTuple):
     turn: Annotated[IndexLine, AVATAR]
 
 
-class Ghost(NamedTuple):
+class PlanningAvatar(NamedTuple):
     """The unseen avatar: posture, poses, state and working memory of its steps; aim: the posture that it goes to. travel: the
     posture that avatars began with, in which they are led through rooms; up (3): against gravity, zero without."""
 
@@ -205,7 +205,7 @@ def plan_is_sound(plan: Plan) -> bool:
 
 def make_planner(
     geo: Geometry, skel: Skeleton, avatars: Avatars, shown: IkState, posture: Posture, poses: Poses, gravity: Array, seed: int
-) -> tuple[Plan, Ghost]:
+) -> tuple[Plan, PlanningAvatar]:
     """Return a planner of avatars at `posture`, in which they travel."""
     na, nl, nd = len(avatars.first_link) - 1, len(skel.kind), int(skel.first_dof[-1])
     searches = np.zeros(na, SEARCH).view(Searches)
@@ -216,9 +216,9 @@ def make_planner(
     plan = Plan(searches, zeros(na, NODES + 1, packed_width(skel, avatars)), before, indices(na, NODES), path, indices(1))
     strength = float(np.linalg.norm(gravity))
     up = -gravity / strength if strength > 0.0 else zeros(3)
-    ghost = Ghost(
+    planning_avatar = PlanningAvatar(
         empty_posture(nl, nd), Poses(*(array.copy() for array in poses)),
         make_state(geo, skel, avatars, shown.tracking["reach"].copy(), zeros(nd, 3), posture),
         make_working(geo, skel, avatars, poses, 0), empty_posture(nl, nd), Posture(*(array.copy() for array in posture)), up,
     )
-    return plan, ghost
+    return plan, planning_avatar

@@ -15,9 +15,9 @@ from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Poses
 from avatarsim.model.skeleton import Posture
 from avatarsim.planner.follow_path import AT, arrival_time, is_near, put_target
-from avatarsim.planner.ghost import put_ghost_at
+from avatarsim.planner.planning_avatar import place_at_node
 from avatarsim.planner.rrt_connect import begin_search, search
-from avatarsim.planner.state import Ghost, Outcome, Plan
+from avatarsim.planner.state import Outcome, Plan, PlanningAvatar
 from avatarsim.settings import PostureSettings
 
 SLOWEST = 0.25
@@ -74,7 +74,7 @@ NEVER, JOINTED = 0, 1
 @kernel
 def supervise(
     rig: Rig, settings: PostureSettings, tracker: Posture, dt: float, posture: Posture, poses: Poses, plan_out: Plan,
-    ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
+    planning_out: PlanningAvatar, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Run progress, modes, and a slice of each search after the steps of a frame of dt [s]."""
     avatars = rig.avatars
@@ -93,7 +93,7 @@ def supervise(
         choose_mode(rig, settings, avatar, dt, value, posture, plan_out, state_out)
         if t.mode[avatar] == FOLLOW_PATH:
             follow_on(rig, settings, avatar, value, posture, plan_out, state_out, scratch_out)
-    search_all(rig, settings, tracker, posture, poses, plan_out, ghost_out, state_out, scratch_out)
+    search_all(rig, settings, tracker, posture, poses, plan_out, planning_out, state_out, scratch_out)
     for avatar in range(avatars.first_link.shape[0] - 1):
         counts[WAITING] += 1 if t.mode[avatar] == WAIT else 0
         counts[PLANNING] += 1 if t.mode[avatar] == PLAN else 0
@@ -155,18 +155,18 @@ def follow_on(
 
 @kernel
 def drop_paths(
-    rig: Rig, tracker: Posture, posture: Posture, poses: Poses, plan: Plan, ghost_out: Ghost, state_out: IkState,
+    rig: Rig, tracker: Posture, posture: Posture, poses: Poses, plan: Plan, planning_out: PlanningAvatar, state_out: IkState,
     scratch_out: IkScratch,
 ) -> None:
     """Drop paths, as a frame begins, whose end is no nearer to the target than the avatar is."""
-    t, c, g = state_out.tracking, scratch_out.objective, ghost_out
+    t, c, g = state_out.tracking, scratch_out.objective, planning_out
     for avatar in range(rig.avatars.first_link.shape[0] - 1):
         if t.mode[avatar] != FOLLOW_PATH:
             continue
         locate(rig, avatar, tracker, t, c)
         tangent_error(rig, avatar, posture, scratch_out.target, c.error)
         here, _ = value_of(rig, avatar, state_out, poses, c)
-        put_ghost_at(rig, avatar, plan.path[avatar, plan.searches.length[avatar] - 1], plan, g)
+        place_at_node(rig, avatar, plan.path[avatar, plan.searches.length[avatar] - 1], plan, g)
         tangent_error(rig, avatar, g.posture, scratch_out.target, c.error)
         there, _ = value_of(rig, avatar, state_out, g.poses, c)
         if not there < here:
@@ -182,8 +182,8 @@ def set_free(avatar: int, value: float, state_out: IkState) -> None:
 
 @kernel
 def search_all(
-    rig: Rig, settings: PostureSettings, tracker: Posture, posture: Posture, poses: Poses, plan_out: Plan, ghost_out: Ghost,
-    state_out: IkState, scratch_out: IkScratch,
+    rig: Rig, settings: PostureSettings, tracker: Posture, posture: Posture, poses: Poses, plan_out: Plan,
+    planning_out: PlanningAvatar, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Deal out the work of searches, and of improving followed paths, in turns, within the rest of the frame's budget."""
     t, count, waiting = state_out.tracking, rig.avatars.first_link.shape[0] - 1, 0
@@ -203,9 +203,9 @@ def search_all(
         value, _ = value_of(rig, avatar, state_out, poses, scratch_out.objective)
         found = search(
             rig, settings, avatar, tracker, state_out.target_before, posture, poses, value, is_followed, slice_, plan_out,
-            ghost_out
+            planning_out
         )
-        spent = work_done(ghost_out.scratch)
+        spent = work_done(planning_out.scratch)
         left -= spent
         scratch_out.counts[PLAN_WORK] += spent
         waiting -= 1

@@ -14,7 +14,7 @@ from avatarsim.ik.state import Rig
 from avatarsim.ik.target import clip_avatar, copy_posture
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.skeleton import BALL, FREE, SLIDE, Posture, has_angles
-from avatarsim.planner.state import NODES, NONE, Ghost, Plan
+from avatarsim.planner.state import NODES, NONE, Plan, PlanningAvatar
 from avatarsim.spatial.random import MODULUS, MULTIPLIER
 from avatarsim.spatial.tangent import columns, put_columns, stepped, turned_back
 from avatarsim.spatial.vec3 import along, dot, norm, put_row, row, sub
@@ -37,25 +37,26 @@ def drawn(avatar: int, plan_out: Plan) -> float:
 
 
 @kernel
-def draw_sample(rig: Rig, avatar: int, goal: int, plan_out: Plan, ghost_out: Ghost) -> None:
+def draw_sample(rig: Rig, avatar: int, goal: int, plan_out: Plan, planning_out: PlanningAvatar) -> None:
     """Draw the next sample into node AIM; node 0 is the start, `goal` the root of the other tree."""
-    s, target, root = plan_out.searches, ghost_out.scratch.target, rig.avatars.first_link[avatar]
+    s, target, root = plan_out.searches, planning_out.scratch.target, rig.avatars.first_link[avatar]
     if rig.skel.kind[root] == FREE and s.samples[avatar] % 2 == 0:
-        place_sample(rig, avatar, goal, plan_out, ghost_out)
+        place_sample(rig, avatar, goal, plan_out, planning_out)
     else:
         k = int(drawn(avatar, plan_out) * s.count[avatar]) % s.count[avatar]
         get_node(rig, avatar, k, plan_out, target)
-        disturb(rig, avatar, plan_out, ghost_out)
+        disturb(rig, avatar, plan_out, planning_out)
     s.samples[avatar] += 1
-    clip_avatar(rig, avatar, target, ghost_out.state.tracking, target)
+    clip_avatar(rig, avatar, target, planning_out.state.tracking, target)
     put_node(rig, avatar, target, AIM, plan_out)
 
 
 @kernel
-def place_sample(rig: Rig, avatar: int, goal: int, plan_out: Plan, ghost_out: Ghost) -> None:
+def place_sample(rig: Rig, avatar: int, goal: int, plan_out: Plan, planning_out: PlanningAvatar) -> None:
     """Draw a place in the room around start and goal, any heading, with the joints of the travel posture, start or goal."""
     avatars = rig.avatars
-    target, root, up = ghost_out.scratch.target, avatars.first_link[avatar], (ghost_out.up[0], ghost_out.up[1], ghost_out.up[2])
+    target, root = planning_out.scratch.target, avatars.first_link[avatar]
+    up = planning_out.up[0], planning_out.up[1], planning_out.up[2]
     kind = int(4.0 * drawn(avatar, plan_out))
     get_node(rig, avatar, goal, plan_out, target)
     there = row(target.root, root)
@@ -64,9 +65,9 @@ def place_sample(rig: Rig, avatar: int, goal: int, plan_out: Plan, ghost_out: Gh
     if kind == 1:
         get_node(rig, avatar, goal, plan_out, target)
     elif kind >= 2:
-        copy_posture(rig, avatar, ghost_out.travel, target)
+        copy_posture(rig, avatar, planning_out.travel, target)
     samples = plan_out.searches.samples[avatar]
-    margin = MARGIN * ghost_out.state.tracking.reach[avatar] + 0.5 * norm(sub(there, here))
+    margin = MARGIN * planning_out.state.tracking.reach[avatar] + 0.5 * norm(sub(there, here))
     margin *= sqrt(1.0 + samples)
     for i in range(3):
         low, high = min(here[i], there[i]) - margin, max(here[i], there[i]) + margin
@@ -83,11 +84,11 @@ def place_sample(rig: Rig, avatar: int, goal: int, plan_out: Plan, ghost_out: Gh
 
 
 @kernel
-def disturb(rig: Rig, avatar: int, plan_out: Plan, ghost_out: Ghost) -> None:
+def disturb(rig: Rig, avatar: int, plan_out: Plan, planning_out: PlanningAvatar) -> None:
     """Displace all degrees of freedom of the sample at random, by a share that is drawn once."""
     skel, avatars = rig.skel, rig.avatars
-    target, share = ghost_out.scratch.target, drawn(avatar, plan_out)
-    turn, move = TURN * share, MOVE * share * ghost_out.state.tracking.reach[avatar]
+    target, share = planning_out.scratch.target, drawn(avatar, plan_out)
+    turn, move = TURN * share, MOVE * share * planning_out.state.tracking.reach[avatar]
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         kind = skel.kind[link]
         if kind == FREE:

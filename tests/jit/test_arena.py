@@ -59,10 +59,10 @@ def parts(world: World, cap: int = 3) -> dict[str, tuple]:
     """Return the parts that the engine packs."""
     geo, skel, dyn, posture, poses = world.geometry, world.skeleton, world.dynamics, world.posture, world.poses
     avatars, state, working = make_solver(geo, skel, posture, poses, cap)
-    plan, ghost = make_planner(geo, skel, avatars, state, posture, poses, np.zeros(3), 1)
+    plan, planning_avatar = make_planner(geo, skel, avatars, state, posture, poses, np.zeros(3), 1)
     return {
         "geometry": geo, "dynamics": dyn, "poses": poses, "velocities": world.velocities, "skeleton": skel,
-        "posture": posture, "avatars": avatars, "state": state, "working": working, "plan": plan, "ghost": ghost,
+        "posture": posture, "avatars": avatars, "state": state, "working": working, "plan": plan, "ghost": planning_avatar,
         "settings": PostureSettings(steps=7, near=0.5),
         "motion": make_tracked_motion(skel, dyn.drive, posture, poses, CouplingSettings(3.0, 4.0)),
         "upper memory": make_upper_memory(geo, dyn, poses),

@@ -11,10 +11,10 @@ from avatarsim.ik.objective import value_of
 from avatarsim.ik.state import Avatars, Rig
 from avatarsim.model.skeleton import Posture
 from avatarsim.model.world import World, build
-from avatarsim.planner.ghost import put_ghost
 from avatarsim.planner.goal_test import aim_at_tracker, buy
+from avatarsim.planner.planning_avatar import place_planning_avatar
 from avatarsim.planner.rrt_connect import begin_search, search
-from avatarsim.planner.state import GOAL_NODE, NONE, Ghost, Outcome, Phase, Plan, make_planner, plan_is_sound
+from avatarsim.planner.state import GOAL_NODE, NONE, Outcome, Phase, Plan, PlanningAvatar, make_planner, plan_is_sound
 from avatarsim.planner.tree import add_node, get_node
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import rest
@@ -31,7 +31,7 @@ class Planner(NamedTuple):
     world: World
     avatars: Avatars
     plan: Plan
-    ghost: Ghost
+    planning_avatar: PlanningAvatar
 
     @property
     def rig(self) -> Rig:
@@ -40,10 +40,10 @@ class Planner(NamedTuple):
 
     def value(self, posture: Posture, target: Posture) -> float:
         """Return the objective [m^2] of a posture."""
-        g = self.ghost
+        g = self.planning_avatar
         for mine, other in zip(g.posture, posture, strict=True):
             mine[:] = other
-        put_ghost(self.rig, 0, g)
+        place_planning_avatar(self.rig, 0, g)
         aim_at_tracker(self.rig, 0, target, g)
         tangent_error(self.rig, 0, posture, target, g.scratch.objective.error)
         return float(value_of(self.rig, 0, g.state, g.poses, g.scratch.objective)[0])
@@ -52,7 +52,7 @@ class Planner(NamedTuple):
         """Run one slice of a search from the current posture of the world."""
         w, value = self.world, self.value(self.world.posture, target)
         return Outcome(
-            search(self.rig, SETTINGS, 0, target, target, w.posture, w.poses, value, False, work, self.plan, self.ghost)
+            search(self.rig, SETTINGS, 0, target, target, w.posture, w.poses, value, False, work, self.plan, self.planning_avatar)
         )
 
 
@@ -61,9 +61,9 @@ def planner_of(scene: Scene) -> Planner:
     world = build(scene)
     solver = make_solver(world.geometry, world.skeleton, world.posture, world.poses)
     up = np.array([0.0, 0.0, -9.8])
-    plan, ghost = make_planner(world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, up, 0)
+    plan, planning_avatar = make_planner(world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, up, 0)
     begin_search(Rig(world.geometry, world.skeleton, solver[0]), 0, world.posture, plan)
-    return Planner(world, solver[0], plan, ghost)
+    return Planner(world, solver[0], plan, planning_avatar)
 
 
 def displaced(posture: Posture, way: np.ndarray, angle: float = 0.0) -> Posture:
@@ -77,7 +77,7 @@ def displaced(posture: Posture, way: np.ndarray, angle: float = 0.0) -> Posture:
 def test_a_path_is_bought_once_waiting_has_cost_as_much(seed: int) -> None:
     rng, avatar = np.random.default_rng(seed), walker()
     at_start = planner_of(Scene("s", (), (avatar,), start=rest((avatar,))))
-    world, avatars, plan, ghost = at_start
+    world, avatars, plan, planning_avatar = at_start
     skel, shown, s = world.skeleton, world.posture, plan.searches
     target = displaced(shown, np.array([0.5, 0.0, 0.0]), 0.1)
     nodes = [displaced(shown, rng.normal(scale=0.6, size=3), float(rng.normal(scale=0.3))) for _ in range(4)]
@@ -100,7 +100,7 @@ def test_a_path_is_bought_once_waiting_has_cost_as_much(seed: int) -> None:
 
     def bought(share: float, before: float) -> Outcome:
         s.paid[0], s.lasts[0] = share * cost, before
-        return Outcome(buy(at_start.rig, SETTINGS, 0, target, target, shown, values[0], plan, ghost))
+        return Outcome(buy(at_start.rig, SETTINGS, 0, target, target, shown, values[0], plan, planning_avatar))
 
     for share, found in ((0.0, Outcome.SEARCHING), (0.999, Outcome.SEARCHING), (1.001, Outcome.FOUND), (9.0, Outcome.FOUND)):
         assert bought(share, sum(times)) == found and s.lasts[0] == pytest.approx(sum(times))

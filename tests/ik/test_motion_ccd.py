@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from avatarsim.cleaning.chords import Chords
-from avatarsim.ik.chord import DEPTH, common_ancestors
+from avatarsim.ik.motion_ccd import DEPTH, common_ancestors
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, fixed, solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
@@ -80,13 +80,13 @@ def test_no_point_bends_more_than_its_bound(seed: int, size: float) -> None:
     chords = Chords(scene_with(avatar, ()))
     before, after = two_postures(avatar, rng, size)
     chords.free_until(before, after)
-    geo, chord = chords.world.geometry, chords.parts
+    geo, segment = chords.world.geometry, chords.parts
     for share in rng.uniform(step, 1.0 - step, 5):
         places = [placed(chords, between(before, after, float(share + k * step))) for k in (-1, 0, 1)]
         bends = np.linalg.norm(places[0] - 2.0 * places[1] + places[2], axis=1) / step**2
         for s in range(len(geo.body)):
             most = bends[geo.shapes.start[s] : geo.shapes.start[s + 1]].max()
-            assert most <= chord.bend[s] * (1.0 + 1e-3) + 1e-6
+            assert most <= segment.curvature[s] * (1.0 + 1e-3) + 1e-6
 
 
 def placed(chords: Chords, sample: TrackerSample) -> np.ndarray:
@@ -101,7 +101,7 @@ def placed(chords: Chords, sample: TrackerSample) -> np.ndarray:
 def test_the_bound_of_one_hinge_is_reached(turn: float) -> None:
     chords = Chords(scene_with(arm(), ()))
     chords.free_until(turned(arm(), -turn), turned(arm(), turn))
-    assert chords.parts.bend.max() == pytest.approx(1.0 * (2.0 * turn) ** 2)
+    assert chords.parts.curvature.max() == pytest.approx(1.0 * (2.0 * turn) ** 2)
 
 
 @settings(max_examples=30)

@@ -45,7 +45,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 SAGITTA = 1.0 / 8.0
-"""A path whose acceleration is at most a bend stays within this part of it, times the square of the time, of its chord."""
+"""A path stays within this part of its largest second derivative, times the square of the time, of its chord."""
 
 DEPTH = ceil(0.5 * log2(SAGITTA / SLIGHT))
 """Halvings of a way before it counts as not free: a 4096th. There the bulge of a limb of a metre that turns by a radian is below
@@ -63,8 +63,8 @@ PROVED, UNDECIDED, OVERLAPS = range(3)
 """State of a pair of pieces over an interval: apart; not shown to be; not apart at its begin."""
 
 
-class Chord(NamedTuple):
-    """The way between two postures, and the working memory of its certificate: na avatars, nl links, nd degrees, ns pieces.
+class MotionSegment(NamedTuple):
+    """The motion from one posture to another, and the working memory of its certificate: nl links, nd degrees, ns pieces.
 
     hinges       degree of every hinge angle of a sample
     ancestor     (nl, nl) nearest common ancestor of two links, the link itself included; -1 for links of two avatars
@@ -74,7 +74,7 @@ class Chord(NamedTuple):
     step         (nd) from one to the other in the tangent space; part (nd) a share of it
     axes         (nd, 3) axes of the degrees, which nothing here reads
     turn         (nl) sum of the turns of all joints above a link's points [rad]
-    bend         (ns) bound of the second derivative of a piece's points in the world [m]
+    curvature    (ns) bound of the second derivative of a piece's points in the world [m]
     one, other   poses at the ends of the interval that is tested
     near         bodies in reach of the avatars
     pending      (m, 2) pairs of pieces that are not decided: those of depth d are span[d] .. span[d + 1]
@@ -93,7 +93,7 @@ class Chord(NamedTuple):
     part: Line
     axes: Vectors
     turn: Line
-    bend: Line
+    curvature: Line
     one: Poses
     other: Poses
     near: IndexLine
@@ -105,14 +105,14 @@ class Chord(NamedTuple):
     narrow: Scratch
 
 
-def make_chord(world: World) -> Chord:
-    """Return memory for the ways of the avatars of a world through its fixed bodies."""
+def make_motion_segment(world: World) -> MotionSegment:
+    """Return memory for motion segments of the avatars of a world among its fixed bodies."""
     geo, skel = world.geometry, world.skeleton
     nl, nd, ns = len(skel.kind), int(skel.first_dof[-1]), len(geo.body)
     driven = ns - int(geo.first_shape[skel.first])
     room = min(driven * ns, ROOM_MOST) + ROOM_DEEPER
     copies = [Poses(*(array.copy() for array in world.poses)) for _ in range(2)]
-    return Chord(
+    return MotionSegment(
         world.hinges.copy(), common_ancestors(skel), np.linalg.norm(skel.anchor, axis=1), np.zeros(nl),
         core_reaches(geo, skel), empty_posture(nl, nd), empty_posture(nl, nd), np.zeros(nd), np.zeros(nd), np.zeros((nd, 3)),
         np.zeros(nl), np.zeros(ns), copies[0], copies[1], np.zeros(max(skel.first, 1), dtype=np.int64), np.zeros((room, 2),
@@ -141,16 +141,16 @@ def core_reaches(geo: Geometry, skel: Skeleton) -> Array:
 
 
 @kernel
-def measure_step(skel: Skeleton, chord_out: Chord) -> None:
+def measure_step(skel: Skeleton, segment_out: MotionSegment) -> None:
     """Measure the step between the two postures, and its turns."""
-    c = chord_out
+    c = segment_out
     for link in range(skel.kind.shape[0]):
         d, kind, parent = skel.first_dof[link], skel.kind[link], skel.parent[link]
         c.turn[link] = c.turn[parent] if parent >= 0 else 0.0
         if kind == FREE:
-            way = sub(row(c.end.root, link), row(c.start.root, link))
+            move = sub(row(c.end.root, link), row(c.start.root, link))
             for k in range(3):
-                c.step[d + k] = way[k]
+                c.step[d + k] = move[k]
             d += 3
         if kind == FREE or kind == BALL:
             w = step_between(columns(c.start.turn, link), columns(c.end.turn, link))
@@ -170,25 +170,25 @@ def measure_step(skel: Skeleton, chord_out: Chord) -> None:
 
 
 @kernel
-def bend_below(skel: Skeleton, chord: Chord, above: int, link: int, reach: float) -> float:
+def curvature_below(skel: Skeleton, segment: MotionSegment, above: int, link: int, reach: float) -> float:
     """Bound the second derivative [m] of points up to `reach` [m] from the joint of `link`, seen from link `above`, or the world
     (-1)."""
-    turn0 = chord.turn[above] if above >= 0 else 0.0
+    turn0 = segment.turn[above] if above >= 0 else 0.0
     total, length, k = 0.0, reach, link
     while k != above:
-        turn = chord.turn[k] - turn0
+        turn = segment.turn[k] - turn0
         total += length * turn * turn
-        length, slid, k = chord.length[k], chord.slid[k], skel.parent[k]
-        total += 2.0 * slid * (chord.turn[k] - turn0) if k != above else 0.0
+        length, slid, k = segment.length[k], segment.slid[k], skel.parent[k]
+        total += 2.0 * slid * (segment.turn[k] - turn0) if k != above else 0.0
     return total
 
 
 @kernel
-def put_at(geo: Geometry, skel: Skeleton, share: float, chord_out: Chord, poses_out: Poses) -> None:
+def put_at(geo: Geometry, skel: Skeleton, share: float, segment_out: MotionSegment, poses_out: Poses) -> None:
     """Set the poses at a share of the way."""
-    for j in range(chord_out.step.shape[0]):
-        chord_out.part[j] = share * chord_out.step[j]
-    carry(skel, chord_out.start, chord_out.part, poses_out, chord_out.axes)
+    for j in range(segment_out.step.shape[0]):
+        segment_out.part[j] = share * segment_out.step[j]
+    carry(skel, segment_out.start, segment_out.part, poses_out, segment_out.axes)
     place_links(geo, skel, poses_out)
 
 
@@ -205,23 +205,23 @@ def swept_meet(left: Array, right: Array, i: int, j: int, grow: float) -> bool:
 
 
 @kernel
-def link_bend(geo: Geometry, chord: Chord, body: int) -> float:
+def link_curvature(geo: Geometry, segment: MotionSegment, body: int) -> float:
     """Return the largest bound of the second derivative of a link's pieces."""
     most = 0.0
     for s in range(geo.first_shape[body], geo.first_shape[body + 1]):
-        most = max(most, chord.bend[s])
+        most = max(most, segment.curvature[s])
     return most
 
 
 @kernel
-def list_near(geo: Geometry, skel: Skeleton, least: float, chord_out: Chord) -> int:
+def list_near(geo: Geometry, skel: Skeleton, least: float, segment_out: MotionSegment) -> int:
     """List the bodies that are no links whose boxes meet that around all links over the whole way; return their number."""
-    c, count = chord_out, 0
+    c, count = segment_out, 0
     low, high = (np.inf, np.inf, np.inf), (-np.inf, -np.inf, -np.inf)
     for body in range(skel.first, skel.first + skel.kind.shape[0]):
         if geo.first_shape[body] == geo.first_shape[body + 1]:
             continue
-        grow, p, q = SAGITTA * link_bend(geo, c, body) + least, c.one.hulls, c.other.hulls
+        grow, p, q = SAGITTA * link_curvature(geo, c, body) + least, c.one.hulls, c.other.hulls
         low = (
             min(low[0], p[body, 0] - grow, q[body, 0] - grow), min(low[1], p[body, 1] - grow, q[body, 1] - grow),
             min(low[2], p[body, 2] - grow, q[body, 2] - grow),
@@ -241,15 +241,15 @@ def list_near(geo: Geometry, skel: Skeleton, least: float, chord_out: Chord) -> 
 
 
 @kernel
-def list_bodies(geo: Geometry, body: int, other: int, least: float, chord_out: Chord, count: int) -> int:
+def list_bodies(geo: Geometry, body: int, other: int, least: float, segment_out: MotionSegment, count: int) -> int:
     """List pairs of pieces of two bodies whose boxes may meet over the whole way; return the number so far, -1 for too many."""
-    c = chord_out
-    grow = SAGITTA * (link_bend(geo, c, body) + link_bend(geo, c, other)) + least
+    c = segment_out
+    grow = SAGITTA * (link_curvature(geo, c, body) + link_curvature(geo, c, other)) + least
     if not swept_meet(c.one.hulls, c.other.hulls, body, other, grow) or not may_meet(geo.wanted, body, other):
         return count
     for s in range(geo.first_shape[body], geo.first_shape[body + 1]):
         for t in range(geo.first_shape[other], geo.first_shape[other + 1]):
-            if swept_meet(c.one.boxes, c.other.boxes, s, t, SAGITTA * (c.bend[s] + c.bend[t]) + least):
+            if swept_meet(c.one.boxes, c.other.boxes, s, t, SAGITTA * (c.curvature[s] + c.curvature[t]) + least):
                 if count >= c.pending.shape[0] - ROOM_DEEPER:
                     return -1
                 c.pending[count, 0], c.pending[count, 1] = s, t
@@ -258,16 +258,16 @@ def list_bodies(geo: Geometry, body: int, other: int, least: float, chord_out: C
 
 
 @kernel
-def list_pairs(geo: Geometry, skel: Skeleton, least: float, chord_out: Chord) -> int:
+def list_pairs(geo: Geometry, skel: Skeleton, least: float, segment_out: MotionSegment) -> int:
     """List pairs of pieces that may meet over the whole way, from `one` to `other`; return their number, -1 for too many."""
-    near, count, links = list_near(geo, skel, least, chord_out), 0, skel.kind.shape[0]
+    near, count, links = list_near(geo, skel, least, segment_out), 0, skel.kind.shape[0]
     for link in range(links):
         for k in range(near):
-            count = list_bodies(geo, skel.first + link, chord_out.near[k], least, chord_out, count)
+            count = list_bodies(geo, skel.first + link, segment_out.near[k], least, segment_out, count)
             if count < 0:
                 return -1
         for k in range(link + 1, links):
-            count = list_bodies(geo, skel.first + link, skel.first + k, least, chord_out, count)
+            count = list_bodies(geo, skel.first + link, skel.first + k, least, segment_out, count)
             if count < 0:
                 return -1
     return count
@@ -302,31 +302,32 @@ def holds(
 
 
 @kernel
-def proposed(geo: Geometry, poses: Poses, a: int, b: int, seed: Vec3, enough: float, chord_out: Chord) -> Vec3:
+def proposed(geo: Geometry, poses: Poses, a: int, b: int, seed: Vec3, enough: float, segment_out: MotionSegment) -> Vec3:
     """Return the nearest direction of pieces a and b, or one along which they are farther apart than `enough` [m]."""
     rounding = geo.shapes.radius[a] + geo.shapes.radius[b]
-    _, n, _, _ = gjk(poses.vertices, geo.shapes, a, b, seed, rounding + enough, chord_out.narrow)
+    _, n, _, _ = gjk(poses.vertices, geo.shapes, a, b, seed, rounding + enough, segment_out.narrow)
     if not (dot(n, n) > 0.5):
         # cores that touch or overlap have no nearest direction, but one of least depth
-        _, _, n, _, _ = signed_distance(poses.vertices, geo.shapes, a, b, seed, chord_out.narrow)
+        _, _, n, _, _ = signed_distance(poses.vertices, geo.shapes, a, b, seed, segment_out.narrow)
     return n
 
 
 @kernel
 def test_pair(
-    geo: Geometry, skel: Skeleton, left: Poses, right: Poses, share: float, a: int, b: int, least: float, chord_out: Chord
+    geo: Geometry, skel: Skeleton, left: Poses, right: Poses, share: float, a: int, b: int, least: float,
+    segment_out: MotionSegment,
 ) -> int:
     """Return True if pieces a and b are shown to be at least `least` [m] apart over an interval of so large a share of the way;
     less by the depth that a pair may have which overlaps at home."""
     least -= allowed_depth(geo, a, b)
-    c, one, other = chord_out, geo.body[a] - skel.first, geo.body[b] - skel.first
+    c, one, other = segment_out, geo.body[a] - skel.first, geo.body[b] - skel.first
     square = SAGITTA * share * share
-    if not swept_meet(left.boxes, right.boxes, a, b, square * (c.bend[a] + c.bend[b]) + max(least, 0.0)):
+    if not swept_meet(left.boxes, right.boxes, a, b, square * (c.curvature[a] + c.curvature[b]) + max(least, 0.0)):
         return PROVED
     above = c.ancestor[one, other] if one >= 0 and other >= 0 else -1
-    bulge = square * (c.bend[a] + c.bend[b])
+    bulge = square * (c.curvature[a] + c.curvature[b])
     if above >= 0:
-        bulge = square * (bend_below(skel, c, above, one, c.reach[a]) + bend_below(skel, c, above, other, c.reach[b]))
+        bulge = square * (curvature_below(skel, c, above, one, c.reach[a]) + curvature_below(skel, c, above, other, c.reach[b]))
     at = slot_of(c.pairs, a, b)
     n = axis_at(c.pairs, at)
     if holds(geo, skel, left, right, above, a, b, n, bulge, least):
@@ -355,11 +356,11 @@ def test_pair(
 
 @kernel
 def test_interval(
-    geo: Geometry, skel: Skeleton, left: Poses, right: Poses, share: float, depth: int, least: float, chord_out: Chord
+    geo: Geometry, skel: Skeleton, left: Poses, right: Poses, share: float, depth: int, least: float, segment_out: MotionSegment
 ) -> int:
     """Test the pairs that are pending at a depth; those that are left are listed at the next one. Return the worst state found;
     where that is OVERLAPS, or the interval is the shortest, the first listed is the pair that failed."""
-    c, worst = chord_out, PROVED
+    c, worst = segment_out, PROVED
     first, last = c.span[depth], c.span[depth + 1]
     count = last
     for k in range(first, last):
@@ -380,13 +381,13 @@ def test_interval(
 
 
 @kernel
-def go_along(geo: Geometry, skel: Skeleton, least: float, chord_out: Chord) -> tuple[float, int, int]:
+def go_along(geo: Geometry, skel: Skeleton, least: float, segment_out: MotionSegment) -> tuple[float, int, int]:
     """Return the share of the way from `start` to `end` that is proved to keep all pairs at least `least` [m] apart, from its
     begin on, and the pieces of the pair that ends it, -1 without any."""
-    c = chord_out
+    c = segment_out
     measure_step(skel, c)
     for s in range(geo.first_shape[skel.first], geo.body.shape[0]):
-        c.bend[s] = bend_below(skel, c, -1, geo.body[s] - skel.first, c.reach[s])
+        c.curvature[s] = curvature_below(skel, c, -1, geo.body[s] - skel.first, c.reach[s])
     c.pairs.step[0] += 1
     put_at(geo, skel, 0.0, c, c.one)
     put_at(geo, skel, 1.0, c, c.other)
@@ -421,12 +422,12 @@ def go_along(geo: Geometry, skel: Skeleton, least: float, chord_out: Chord) -> t
 
 @entry_kernel
 def free_until(
-    world: Index, chord: Index, positions: Array, rotations: Array, angles: Array, next_positions: Array, next_rotations: Array,
+    world: Index, segment: Index, positions: Array, rotations: Array, angles: Array, next_positions: Array, next_rotations: Array,
     next_angles: Array, least: float,
 ) -> tuple[float, int, int]:
     """Return `go_along` from one posture (positions (nl, 3), rotations (nl, 4), angles (nh)) to the next, which have been
-    checked, on the arenas of a world and of its `Chord`."""
-    w, c = view_arena(world, WorldParts), view_arena(chord, Chord)
+    checked, on the arenas of a world and of its `MotionSegment`."""
+    w, c = view_arena(world, WorldParts), view_arena(segment, MotionSegment)
     read_sample(positions, rotations, angles, c.hinges, c.start)
     read_sample(next_positions, next_rotations, next_angles, c.hinges, c.end)
     return go_along(w.geometry, w.skeleton, least, c)
@@ -434,18 +435,18 @@ def free_until(
 
 @entry_kernel
 def nearest_at(
-    world: Index, chord: Index, positions: Array, rotations: Array, angles: Array, within: float
+    world: Index, segment: Index, positions: Array, rotations: Array, angles: Array, within: float
 ) -> tuple[float, int, int]:
     """Return the smallest signed distance [m] of all pairs of pieces at a posture, negative where they overlap, and the pieces;
     infinite, and -1, where no boxes are within `within` [m] of each other, nan where boxes of too many pairs are.
 
     Of a pair that overlaps at home the gap is that beyond the depth that it may have, and it does not count where it is hardly
     deeper than at home."""
-    w, c = view_arena(world, WorldParts), view_arena(chord, Chord)
+    w, c = view_arena(world, WorldParts), view_arena(segment, MotionSegment)
     geo, skel = w.geometry, w.skeleton
     read_sample(positions, rotations, angles, c.hinges, c.start)
     c.step[:] = 0.0
-    c.bend[:] = 0.0
+    c.curvature[:] = 0.0
     put_at(geo, skel, 0.0, c, c.one)
     put_at(geo, skel, 0.0, c, c.other)
     listed = list_pairs(geo, skel, within, c)
@@ -467,11 +468,11 @@ def nearest_at(
 
 @entry_kernel
 def pair_gaps(
-    world: Index, chord: Index, positions: Array, rotations: Array, angles: Array, pairs: Index, gaps_out: Array
+    world: Index, segment: Index, positions: Array, rotations: Array, angles: Array, pairs: Index, gaps_out: Array
 ) -> None:
     """Write the signed distance (m,) [m] at a posture of each pair (m, 2) of bodies, whether or not it may overlap; infinite
     without pieces. A distance above zero is known by its sign alone."""
-    w, c = view_arena(world, WorldParts), view_arena(chord, Chord)
+    w, c = view_arena(world, WorldParts), view_arena(segment, MotionSegment)
     geo = w.geometry
     read_sample(positions, rotations, angles, c.hinges, c.start)
     c.step[:] = 0.0

@@ -1,4 +1,4 @@
-"""The ghost: certified steps of an unseen avatar, the local planner of RRT-Connect (LaValle 2006, section 5.4).
+"""The planning avatar: certified steps of an unseen avatar, the local planner of RRT-Connect (LaValle 2006, section 5.4).
 
 A step is one of the posture solver, towards any posture, so it slides along obstacles; all else is where it is shown.
 """
@@ -14,7 +14,7 @@ from avatarsim.ik.state import FORWARDS, Rig, forget_pairs
 from avatarsim.ik.target import copy_posture, largest
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Geometry, Poses
-from avatarsim.planner.state import Ghost, Plan
+from avatarsim.planner.state import Plan, PlanningAvatar
 from avatarsim.planner.tree import get_node
 from avatarsim.settings import PostureSettings
 
@@ -34,13 +34,13 @@ TRAPPED, ADVANCED, REACHED = range(3)
 
 
 @kernel
-def has_moved(poses: Poses, b: int, ghost: Ghost) -> bool:
-    """Return True if body b is shown elsewhere than the ghost has it."""
+def has_moved(poses: Poses, b: int, planning_avatar: PlanningAvatar) -> bool:
+    """Return True if body b is shown elsewhere than the planning avatar has it."""
     for i in range(3):
-        if poses.position[b, i] != ghost.poses.position[b, i]:
+        if poses.position[b, i] != planning_avatar.poses.position[b, i]:
             return True
         for k in range(3):
-            if poses.rotation[b, i, k] != ghost.poses.rotation[b, i, k]:
+            if poses.rotation[b, i, k] != planning_avatar.poses.rotation[b, i, k]:
                 return True
     return False
 
@@ -63,10 +63,10 @@ def copy_body(geo: Geometry, b: int, poses: Poses, poses_out: Poses) -> None:
 
 
 @kernel
-def notice_world(rig: Rig, settings: PostureSettings, avatar: int, poses: Poses, ghost_out: Ghost) -> None:
-    """Reset the ghost's world as a slice begins: all but the avatar as it is shown, and nothing remembered of earlier slices."""
+def notice_world(rig: Rig, settings: PostureSettings, avatar: int, poses: Poses, planning_out: PlanningAvatar) -> None:
+    """Reset its world as a slice begins: all but the avatar as it is shown, and nothing remembered of earlier slices."""
     geo, skel, avatars = rig.geo, rig.skel, rig.avatars
-    g, s = ghost_out, ghost_out.scratch
+    g, s = planning_out, planning_out.scratch
     for b in range(skel.first):
         if has_moved(poses, b, g):
             copy_body(geo, b, poses, g.poses)
@@ -94,9 +94,9 @@ def notice_world(rig: Rig, settings: PostureSettings, avatar: int, poses: Poses,
 
 
 @kernel
-def put_ghost(rig: Rig, avatar: int, ghost_out: Ghost) -> None:
-    """Put the ghost where its posture places it; its contacts from elsewhere are forgotten."""
-    g = ghost_out
+def place_planning_avatar(rig: Rig, avatar: int, planning_out: PlanningAvatar) -> None:
+    """Put the planning avatar where its posture places it; its contacts from elsewhere are forgotten."""
+    g = planning_out
     carry_avatar(rig, avatar, g.posture, g.scratch.still, g.poses, g.state.axes)
     place_avatar(rig, avatar, g.poses)
     copy_poses(rig, avatar, g.poses, g.scratch.trial)
@@ -107,22 +107,22 @@ def put_ghost(rig: Rig, avatar: int, ghost_out: Ghost) -> None:
 
 
 @kernel
-def put_ghost_at(rig: Rig, avatar: int, k: int, plan: Plan, ghost_out: Ghost) -> None:
-    """Put the ghost at node k."""
-    get_node(rig, avatar, k, plan, ghost_out.posture)
-    put_ghost(rig, avatar, ghost_out)
+def place_at_node(rig: Rig, avatar: int, k: int, plan: Plan, planning_out: PlanningAvatar) -> None:
+    """Put the planning avatar at node k."""
+    get_node(rig, avatar, k, plan, planning_out.posture)
+    place_planning_avatar(rig, avatar, planning_out)
 
 
 @kernel
-def aim_ghost(rig: Rig, avatar: int, k: int, plan: Plan, ghost_out: Ghost) -> None:
-    """Make node k the aim of the ghost."""
-    get_node(rig, avatar, k, plan, ghost_out.aim)
+def aim_at_node(rig: Rig, avatar: int, k: int, plan: Plan, planning_out: PlanningAvatar) -> None:
+    """Make node k the aim of the planning avatar."""
+    get_node(rig, avatar, k, plan, planning_out.aim)
 
 
 @kernel
-def value_to_aim(rig: Rig, avatar: int, ghost_out: Ghost) -> tuple[float, float]:
-    """Return objective [m^2] of the ghost towards its aim, and distance [m] of its farthest origin; keeps the tangent error."""
-    g = ghost_out
+def value_to_aim(rig: Rig, avatar: int, planning_out: PlanningAvatar) -> tuple[float, float]:
+    """Return its objective [m^2] towards its aim, and the distance [m] of its farthest origin; keeps the tangent error."""
+    g = planning_out
     g.state.tracking.is_located[avatar] = 0
     locate(rig, avatar, g.aim, g.state.tracking, g.scratch.objective)
     tangent_error(rig, avatar, g.posture, g.aim, g.scratch.objective.error)
@@ -130,11 +130,11 @@ def value_to_aim(rig: Rig, avatar: int, ghost_out: Ghost) -> tuple[float, float]
 
 
 @kernel
-def set_carrot(rig: Rig, avatar: int, strides: float, ghost_out: Ghost) -> None:
+def set_carrot(rig: Rig, avatar: int, strides: float, planning_out: PlanningAvatar) -> None:
     """Set the target of the next step: on the straight way to the aim, as far as a step goes. A farther one would break the bound
     of every joint, each of them a row of the QP."""
     avatars = rig.avatars
-    g, s, b, t = ghost_out, ghost_out.scratch, ghost_out.state.budget, ghost_out.state.tracking
+    g, s, b, t = planning_out, planning_out.scratch, planning_out.state.budget, planning_out.state.tracking
     turn, move = strides * STRIDE, strides * STRIDE * t.reach[avatar]
     b.slack[0], b.slack[1] = SLACK * move, SLACK * turn
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
@@ -145,18 +145,18 @@ def set_carrot(rig: Rig, avatar: int, strides: float, ghost_out: Ghost) -> None:
     take_step(rig, avatar, s.step, s.target)
     t.is_located[avatar] = 0
     locate(rig, avatar, s.target, t, s.objective)
-    # a whole Newton step: nothing that the ghost does is shown
+    # a whole Newton step: nothing that the planning avatar does is shown
     t.is_legal[avatar], t.share[avatar], t.keep[avatar] = 1, 1.0, 0.0
 
 
 @kernel
-def step_ghost(
-    rig: Rig, settings: PostureSettings, avatar: int, strides: float, most_work: int, value: float, ghost_out: Ghost
+def take_planning_step(
+    rig: Rig, settings: PostureSettings, avatar: int, strides: float, most_work: int, value: float, planning_out: PlanningAvatar
 ) -> tuple[int, float, float]:
     """Take one step towards the aim of so many strides, where the objective was `value` before; return its result, the objective
     after it, and how long the next step may be."""
     avatars = rig.avatars
-    g, reach = ghost_out, ghost_out.state.tracking.reach[avatar]
+    g, reach = planning_out, planning_out.state.tracking.reach[avatar]
     set_carrot(rig, avatar, strides, g)
     moved = sqp_step(rig, settings, g.posture, g.poses, 0, 1, most_work, g.state, g.scratch)
     now, far = value_to_aim(rig, avatar, g)
