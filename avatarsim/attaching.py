@@ -53,9 +53,9 @@ def attach_at_start(frames: Frames, old: World | None) -> None:
     names = frames.world.scene.names
     if old is not None and any(body in names and link in names for body, link in attached(old).items()):
         require_attaching(frames, "scene to change to while bodies are attached")
-    held = attached(frames.world)
+    carrier_of = attached(frames.world)
     for body, link in frames.world.scene.attached:
-        if (body, link) not in known and held.get(body) != link:
+        if (body, link) not in known and carrier_of.get(body) != link:
             attach(frames, body, link)
 
 
@@ -71,9 +71,9 @@ def require_sound(world: World) -> None:
 
 def release(world: World, body: str) -> None:
     """Release a body. Raises UnknownName if it is not attached."""
-    held = attached(world)
-    if not isinstance(body, str) or body not in held:
-        raise UnknownName("attached body", str(body), held)
+    carrier_of = attached(world)
+    if not isinstance(body, str) or body not in carrier_of:
+        raise UnknownName("attached body", str(body), carrier_of)
     b = world.scene.names.index(body)
     world.drive.carrier[b], world.drive.tied[b] = -1, b
     link_together(world.drive, world.skeleton)
@@ -114,11 +114,11 @@ def gripped(contacts: Sequence[Contact], scene: Scene, avatar: str) -> Mapping[s
 
 def is_antipodal(one: tuple[Array, Array, float], other: tuple[Array, Array, float]) -> bool:
     """Return whether two contacts (point [m], normal into the body, friction) can hold a body between them."""
-    way = other[0] - one[0]
-    far = float(np.linalg.norm(way))
+    offset = other[0] - one[0]
+    far = float(np.linalg.norm(offset))
     if far == 0.0:
         return False
     return all(
-        float(np.linalg.norm(np.cross(normal, way))) <= friction * sign * float(normal @ way)
+        float(np.linalg.norm(np.cross(normal, offset))) <= friction * sign * float(normal @ offset)
         for (_, normal, friction), sign in ((one, 1.0), (other, -1.0))
     )

@@ -33,7 +33,7 @@ class StageClock:
     def __init__(self, timing: bool) -> None:
         self.timing, self.calls, self.ns, self._start = timing, 0, 0, 0
 
-    def kept(self) -> tuple[()]:
+    def retained_state(self) -> tuple[()]:
         """Return nothing: a clock is no part of the world."""
         return ()
 
@@ -108,6 +108,6 @@ class Tally(Mapping[str, int]):
         """Return names and numbers, in their order."""
         return dict(zip(self._names, self._all(), strict=True)).items()
 
-    def beside(self, other: "Tally", names: tuple[str, ...]) -> "Tally":
+    def joined_with(self, other: "Tally", names: tuple[str, ...]) -> "Tally":
         """Return both; `names` are those of this one, then of the other: a caller in every frame has put them together once."""
         return Tally(names, self._numbers + other._numbers)

@@ -81,7 +81,7 @@ class Frames:
             self.upper = SimulatedLoop(world, paper=method == "paper", record=record, stand_off=kept)
             moving = self.upper.memory.moving
         if self.driven:
-            self.lower.watch(moving)
+            self.lower.set_moving(moving)
         self._counted = (*self.lower.counts(), *self.upper.counts()) if self.driven and self.effects.dynamics else ()
         self.output = Output(world)
         lower = self.lower if self.driven else None
@@ -159,8 +159,8 @@ class Frames:
 
     def _keep(self, sample: TrackerSample) -> None:
         """Keep a sample, for moving bodies whose pose is not given in the next frame."""
-        for kept, array in zip(self.given, sample_arrays(sample), strict=True):
-            kept[...] = array
+        for given, array in zip(self.given, sample_arrays(sample), strict=True):
+            given[...] = array
 
     def completed(self, sample: TrackerSample | None, poses: Mapping[str, Pose]) -> TrackerSample | None:
         """Return the sample with the given poses of moving bodies, and the last ones of those that are not given; None where
@@ -178,7 +178,7 @@ class Frames:
         if not self.driven:
             return self.upper.counts() if self.effects.dynamics else Tally()
         counts = self.lower.counts()
-        return counts.beside(self.upper.counts(), self._counted) if self.effects.dynamics else counts
+        return counts.joined_with(self.upper.counts(), self._counted) if self.effects.dynamics else counts
 
     def statuses(self) -> dict[str, int]:
         """Return counts of failures in the last frame, by name."""
@@ -190,17 +190,17 @@ class Frames:
             statuses["tracking_lost"] = sum(not avatar.moves for avatar in self.world.scene.avatars)
         return statuses | self.upper.statuses(status) if self.effects.dynamics else statuses
 
-    def kept(self) -> GivenSample:
+    def retained_state(self) -> GivenSample:
         """Return the last given poses of moving bodies; those of other parts are theirs."""
         return GivenSample(self.given)
 
-    def go_on_from(self, time: float) -> None:
+    def resume_from(self, time: float) -> None:
         """Continue from the arrays of a frame that ended at `time` [s], which replaced those of all parts."""
         self.time, self.passed = time, ()
         if self.driven:
-            self.lower.go_on(time > 0.0)
+            self.lower.resume(time > 0.0)
         if self.effects.dynamics:
-            self.upper.go_on()
+            self.upper.resume()
 
     def parts(self) -> tuple[Part, ...]:
         """Return all that takes part in a frame."""

@@ -134,8 +134,8 @@ class Postures:
         skel, mixed = self.world.skeleton, copied(target)
         mixed.angle[:] += share * (self.rest.angle - target.angle)
         for link in np.flatnonzero(skel.kind == BALL):
-            way = rotation.to_rotation_vector(rotation.from_matrix(target.turn[link].T @ self.rest.turn[link]))
-            mixed.turn[link] = target.turn[link] @ rotation.to_matrix(rotation.from_rotation_vector(share * way))
+            turn = rotation.to_rotation_vector(rotation.from_matrix(target.turn[link].T @ self.rest.turn[link]))
+            mixed.turn[link] = target.turn[link] @ rotation.to_matrix(rotation.from_rotation_vector(share * turn))
         return mixed
 
     def _lifted(

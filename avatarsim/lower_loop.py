@@ -99,13 +99,13 @@ def solve_postures(w: WorldParts, own: IkParts, tracker: Posture, dt: float, mov
 
 
 @kernel
-def step_avatars(world: Index, target: Index, kept: Index, dt: float, moving: Index) -> None:
+def step_avatars(world: Index, target: Index, lower: Index, dt: float, moving: Index) -> None:
     """Follow the tracker's posture for a frame of dt [s]: velocities of links, avatars under load, then the postures.
 
     The arenas are those of a world, its target and its lower loop. `moving` (nb): 1 for bodies that may have moved; empty if
     that is not known.
     """
-    w, own, tracker = view_arena(world, WorldParts), view_arena(kept, IkParts), view_arena(target, TargetParts).posture
+    w, own, tracker = view_arena(world, WorldParts), view_arena(lower, IkParts), view_arena(target, TargetParts).posture
     geometry, skeleton, posture, trackers, state = w.geometry, w.skeleton, w.posture, own.trackers, own.state
     rig = Rig(geometry, skeleton, own.avatars)
     if trackers.turn[0] >= 0:
@@ -121,10 +121,10 @@ def step_avatars(world: Index, target: Index, kept: Index, dt: float, moving: In
 
 
 @kernel
-def resume_after_contacts(world: Index, target: Index, kept: Index, received: Array, moving: Index) -> None:
+def resume_after_contacts(world: Index, target: Index, lower: Index, received: Array, moving: Index) -> None:
     """Resume the postures after the upper loop: links receive impulses (nb, 3) [N s], and those that were blocked by bodies
     that are `moving` (nb) now go on."""
-    w, own, tracker = view_arena(world, WorldParts), view_arena(kept, IkParts), view_arena(target, TargetParts).posture
+    w, own, tracker = view_arena(world, WorldParts), view_arena(lower, IkParts), view_arena(target, TargetParts).posture
     if own.coupled:
         rig = Rig(w.geometry, w.skeleton, own.avatars)
         receive(w.skeleton, w.dynamics.drive, received)
@@ -134,9 +134,9 @@ def resume_after_contacts(world: Index, target: Index, kept: Index, received: Ar
 
 
 @entry_kernel
-def show_posture(world: Index, kept: Index) -> None:
+def show_posture(world: Index, lower: Index) -> None:
     """Write poses of all avatars at the world's posture, and nothing else."""
-    w, own = view_arena(world, WorldParts), view_arena(kept, IkParts)
+    w, own = view_arena(world, WorldParts), view_arena(lower, IkParts)
     rig = Rig(w.geometry, w.skeleton, own.avatars)
     for avatar in range(own.avatars.first_link.shape[0] - 1):
         carry_avatar(rig, avatar, w.posture, own.working.still, w.poses, own.working.axes)
@@ -144,10 +144,10 @@ def show_posture(world: Index, kept: Index) -> None:
 
 
 @entry_kernel
-def stand(world: Index, target: Index, kept: Index) -> None:
+def place_avatars(world: Index, target: Index, lower: Index) -> None:
     """Place all avatars at the world's posture, which was written: their poses, and no contacts from elsewhere. Their users are
     at the target's, and have been there."""
-    w, own, tracker = view_arena(world, WorldParts), view_arena(kept, IkParts), view_arena(target, TargetParts).posture
+    w, own, tracker = view_arena(world, WorldParts), view_arena(lower, IkParts), view_arena(target, TargetParts).posture
     rig, posture, poses = Rig(w.geometry, w.skeleton, own.avatars), w.posture, w.poses
     avatars, state, working, tracking = own.avatars, own.state, own.working, own.state.tracking
     clip_to_limits(rig, tracker, tracking, state.target_before)
@@ -166,18 +166,18 @@ def stand(world: Index, target: Index, kept: Index) -> None:
 
 
 @entry_kernel
-def resume(world: Index, target: Index, kept: Index) -> None:
+def resume_tracking(world: Index, target: Index, lower: Index) -> None:
     """Resume tracking, found again at the target: the way there since it was lost is no motion of the users. It is caught up
     with, as fast as after a motion of that speed, and no velocity comes of it."""
-    w, own, tracker = view_arena(world, WorldParts), view_arena(kept, IkParts), view_arena(target, TargetParts).posture
+    w, own, tracker = view_arena(world, WorldParts), view_arena(lower, IkParts), view_arena(target, TargetParts).posture
     rig, avatars, state, working = Rig(w.geometry, w.skeleton, own.avatars), own.avatars, own.state, own.working
     clip_to_limits(rig, tracker, state.tracking, working.target)
     for avatar in range(avatars.first_link.shape[0] - 1):
         dt = state.tracking.frame_time[avatar]
         tangent_error(rig, avatar, state.target_before, working.target, working.step)
-        way = largest(working.step, avatars.first_dof[avatar], avatars.first_dof[avatar + 1])
+        largest_step = largest(working.step, avatars.first_dof[avatar], avatars.first_dof[avatar + 1])
         if dt > 0.0:
-            state.tracking.speed[avatar] = max(state.tracking.speed[avatar], way / dt)
+            state.tracking.speed[avatar] = max(state.tracking.speed[avatar], largest_step / dt)
         copy_posture(rig, avatar, working.target, state.target_before)
         copy_posture(rig, avatar, tracker, state.tracker_before)
     if own.trackers.turn[0] >= 0:
@@ -188,13 +188,13 @@ def resume(world: Index, target: Index, kept: Index) -> None:
 class IkLoop:
     """The driven bodies of a world: every state shown was certified from the last one."""
 
-    ASSIGNED: ClassVar[tuple[str, ...]] = ("_known", "_told")
+    ASSIGNED: ClassVar[tuple[str, ...]] = ("_known", "_reported")
     WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
 
     def __init__(
         self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0, *, record: bool = False
     ) -> None:
-        self.world, self._moving, self._known, self._told = world, NOT_KNOWN, NOT_KNOWN, 0
+        self.world, self._moving, self._known, self._reported = world, NOT_KNOWN, NOT_KNOWN, 0
         solver = make_solver(
             world.geometry, world.skeleton, world.posture, world.poses, STEPS_KEPT if record else 0, world.link_friction()
         )
@@ -225,16 +225,16 @@ class IkLoop:
 
     def begin(self) -> Index:
         """Begin a frame; return flags (nb) of bodies that may have moved since the last one, as `step_avatars` takes them."""
-        known, self._told = self._known, 0
+        known, self._reported = self._known, 0
         # the first frame checks all bodies
         self._known = self._moving
         return known
 
-    def kept(self) -> IkParts:
+    def retained_state(self) -> IkParts:
         """Return what passes from frame to frame."""
         return self._parts
 
-    def go_on(self, begun: bool) -> None:
+    def resume(self, begun: bool) -> None:
         """Continue from a new state, of which a frame has, or has not, begun; InvalidSnapshot if it contradicts itself."""
         is_sound = state_is_sound(self.world.geometry, self.world.skeleton, self.avatars, self.state)
         if not is_sound or not plan_is_sound(self.plan):
@@ -249,23 +249,23 @@ class IkLoop:
             trial[first:] = shown[first:]
         # bodies that have not moved since keep their cached axes
         notice_bodies(self.world.geometry, self.world.skeleton, self.world.poses, NOT_KNOWN, self.working)
-        self._known, self._told = self._moving if begun else NOT_KNOWN, 0
+        self._known, self._reported = self._moving if begun else NOT_KNOWN, 0
 
     def show(self) -> None:
         """Show the world's posture, which was written: links are placed there; nothing else changes."""
         show_posture(self.world.words, self.words)
 
-    def stand(self, target: Target) -> None:
+    def place_avatars(self, target: Target) -> None:
         """Place avatars at the world's posture, which was written, their users at the target, and nothing has touched yet."""
-        stand(self.world.words, target.words, self.words)
+        place_avatars(self.world.words, target.words, self.words)
 
     def note_tracking(self, is_lost: bool, target: Target) -> None:
         """Note whether tracking is lost in this frame, whose target was read."""
         if self.lost[0] and not is_lost:
-            resume(self.world.words, target.words, self.words)
+            resume_tracking(self.world.words, target.words, self.words)
         self.lost[0] = is_lost
 
-    def watch(self, moving: Index) -> None:
+    def set_moving(self, moving: Index) -> None:
         """Check only bodies that `moving` (nb) names from now on: the upper loop keeps which moved in its last frame."""
         self._moving = moving
 
@@ -276,8 +276,8 @@ class IkLoop:
     def passed(self, time: float) -> tuple[Snapshot, ...]:
         """Return the states after the steps of this frame that were taken since the last call, at `time` [s], if the frame is
         recorded: links as they were left then, all else as it is now."""
-        told, self._told = self._told, self.working.counts.item(ADOPTED)
-        return trail_snapshots(self.world, self.working.trail[told : self._told], time)
+        reported, self._reported = self._reported, self.working.counts.item(ADOPTED)
+        return trail_snapshots(self.world, self.working.trail[reported : self._reported], time)
 
     def counts(self) -> Tally:
         """Return the work done in the last frame."""
@@ -287,7 +287,7 @@ class IkLoop:
         """Return counts of failures in the last frame, by name."""
         counts = self.working.counts.tolist()
         found = {name: counts[place] for name, place in STATUS_PLACES if counts[place]}
-        if (kept := len(self.working.trail)) and (lost := counts[ADOPTED] - kept) > 0:
+        if (recorded := len(self.working.trail)) and (lost := counts[ADOPTED] - recorded) > 0:
             found["steps not recorded"] = lost
         return found
 
@@ -303,21 +303,21 @@ class TrackedLoop:
         degrees = int(world.skeleton.first_dof[-1])
         self._still, self._axes = np.zeros(degrees), np.zeros((degrees, 3))
 
-    def kept(self) -> tuple[()]:
+    def retained_state(self) -> tuple[()]:
         """Return nothing: no array is kept."""
         return ()
 
-    def go_on(self, begun: bool) -> None:
+    def resume(self, begun: bool) -> None:
         """Do nothing: every frame is the first."""
 
-    def watch(self, moving: Index) -> None:
+    def set_moving(self, moving: Index) -> None:
         """Do nothing: this loop checks no body."""
 
     def follow(self, target: Target, dt: float) -> None:
         """Take the tracker's posture."""
         world = self.world
-        for mine, theirs in zip(world.posture, target.posture, strict=True):
-            np.copyto(mine, theirs)
+        for own, tracked in zip(world.posture, target.posture, strict=True):
+            np.copyto(own, tracked)
         forward(world.geometry, world.skeleton, world.posture, self._still, world.poses, self._axes)
 
     def receive(self, impulses: Array) -> None:

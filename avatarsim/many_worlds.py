@@ -144,7 +144,7 @@ class _Call:
 
     def advance(self, portion: range) -> None:
         """Advance the worlds of a portion."""
-        taken: list[AvatarsimEngine] = []
+        acquired: list[AvatarsimEngine] = []
         try:
             begun: list[tuple[int, AvatarsimEngine, Frames]] = []
             jobs = np.empty((len(portion), COLUMNS), dtype=np.int64)
@@ -153,7 +153,7 @@ class _Call:
                 if not engine._turn.acquire(False):
                     self.errors[place] = EngineInUse()
                     continue
-                taken.append(engine)
+                acquired.append(engine)
                 try:
                     frames, sample = engine._running(), self.samples[place]
                     if frames.moves or self.moving or sample is None or frames.is_lost:
@@ -168,7 +168,7 @@ class _Call:
             if begun:
                 self._pass(begun, jobs[: len(begun)])
         finally:
-            for engine in taken:
+            for engine in acquired:
                 engine._turn.release()
 
     def _pass(self, begun: list[tuple[int, AvatarsimEngine, Frames]], jobs: Index) -> None:

@@ -64,7 +64,7 @@ def put_avatars(
             array[k:] = kept
         raise
     frames.target.read(user)
-    lower.stand(frames.target)
+    lower.place_avatars(frames.target)
     if given:
         lower.look_at_all()
         frames.show_placed()

@@ -122,7 +122,7 @@ FARTHEST = 1.0
 """[m] largest gap of a query: beyond it no contact is meant, and every pair of a room would be measured."""
 
 
-def not_asked() -> NDArray[np.float64]:
+def no_force() -> NDArray[np.float64]:
     """Return the force of a contact for which none was computed: nan."""
     return np.full(3, np.nan)
 
@@ -145,7 +145,7 @@ class Contact:
     point: NDArray[np.float64]
     normal: NDArray[np.float64]
     gap: float
-    force: NDArray[np.float64] = field(default_factory=not_asked)
+    force: NDArray[np.float64] = field(default_factory=no_force)
 
     @property
     def normal_force(self) -> float:

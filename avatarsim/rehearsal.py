@@ -35,7 +35,7 @@ class Part(Protocol):
     WRITTEN: ClassVar[tuple[str, ...]]
     """Names of attributes whose arrays a frame writes into: arrays, or nested tuples of them."""
 
-    def kept(self) -> tuple[object, ...]:
+    def retained_state(self) -> tuple[object, ...]:
         """Return arrays, in nested named tuples, that pass from frame to frame: the content of a snapshot, but for those that
         are marked otherwise (`avatarsim.jit.kept`). Views of those above, or they."""
 

@@ -30,14 +30,14 @@ from avatarsim.scene.moving import Pose
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen, meanings
-from avatarsim.snapshot import Identity, carry_loops, carry_poses, identity, kept_by, read, shared, written
+from avatarsim.snapshot import Identity, carry_loops, carry_poses, identity, read, retained_fields, shared, written
 from avatarsim.tolerances import JUDGED, NOTHING
 from avatarsim.version import VERSION
 
 PRESETS = ("default", "paper")
 """`default`: every state certified; `paper`: the paper's equations as printed."""
 
-METHODS_SAID = {
+METHOD_DESCRIPTIONS = {
     "default": "every state is certified; the nearest posture by sequential quadratic programming within a motion budget",
     "paper": "equations 1 to 10 and Algorithm 1 as printed, with what makes them well-defined",
 }
@@ -103,10 +103,10 @@ class AvatarsimEngine:
     def unsupported(self, scene: Scene) -> Mapping[str, str]:
         """Return the features of `scene` that this engine leaves out."""
         require_scene("scene to describe", scene)
-        said: dict[str, str] = {}
+        features: dict[str, str] = {}
         if scene.avatars:
-            said["avatar dynamics"] = "avatars are kinematic with a coupled mass, not full articulated dynamics"
-        return said
+            features["avatar dynamics"] = "avatars are kinematic with a coupled mass, not full articulated dynamics"
+        return features
 
     @property
     def scene(self) -> Scene:
@@ -117,10 +117,10 @@ class AvatarsimEngine:
         """Return every setting in force: name -> (value, its meaning and unit)."""
         self._running()
         method = self._settings.preset
-        in_force: dict[str, object] = {"method": (method, METHODS_SAID[method])}
+        in_force: dict[str, object] = {"method": (method, METHOD_DESCRIPTIONS[method])}
         for values in (getattr(self._chosen, group) for group in METHOD_SETTINGS[method]):
-            said = meanings(type(values))
-            in_force |= {name: (value, said.get(name, "")) for name, value in values._asdict().items()}
+            descriptions = meanings(type(values))
+            in_force |= {name: (value, descriptions.get(name, "")) for name, value in values._asdict().items()}
         return in_force
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
@@ -291,7 +291,7 @@ class AvatarsimEngine:
         process or another, continues from there to the bit, as long as it is the same version on the same kind of processor."""
         with self._alone():
             frames = self._running()
-            return written(self._who(), frames.time, kept_by(frames))
+            return written(self._who(), frames.time, retained_fields(frames))
 
     def restore(self, data: bytes) -> FrameRecord:
         """Go back, or on, to where `snapshot` returned `data`; return the state shown there.
@@ -303,22 +303,22 @@ class AvatarsimEngine:
         """
         with self._alone():
             frames = self._running()
-            kept = kept_by(frames)
-            time, arrays = read(data, self._who(), kept)
-            before, now = [field.array.copy() for field in kept], frames.time
+            retained = retained_fields(frames)
+            time, arrays = read(data, self._who(), retained)
+            before, now = [field.array.copy() for field in retained], frames.time
             try:
-                for field, array in zip(kept, arrays, strict=True):
+                for field, array in zip(retained, arrays, strict=True):
                     field.array[...] = array
                 require_sound(frames.world)
-                frames.go_on_from(time)
+                frames.resume_from(time)
                 if frames.driven and isinstance(frames.lower, IkLoop):
                     require_within_limits(frames.world, NOTHING)
                     require_free(frames.world, inf)
                 return self._between()
             except AvatarsimError as error:
-                for field, array in zip(kept, before, strict=True):
+                for field, array in zip(retained, before, strict=True):
                     field.array[...] = array
-                frames.go_on_from(now)
+                frames.resume_from(now)
                 raise InvalidSnapshot("state in the snapshot", str(error), "one that can be shown") from error
 
     def _load(self, scene: Scene, settings: Settings, dt: float, old: Frames | None = None) -> FrameRecord:
@@ -342,7 +342,7 @@ class AvatarsimEngine:
         if old and both:
             carry_loops(old, frames, both)
         if moved and frames.driven and isinstance(frames.lower, IkLoop):
-            frames.lower.stand(frames.target)
+            frames.lower.place_avatars(frames.target)
         attach_at_start(frames, old.world if old else None)
         self._settings, self._chosen, self._frames, self._dt, self._identity = settings, chosen, frames, float(dt), None
         v, moves = world.velocities, world.scene.effects.dynamics or world.scene.effects.coupling
@@ -398,7 +398,7 @@ class AvatarsimEngine:
         if self._identity is None:
             frames, method = self._running(), self._settings.preset
             in_force = method, *(getattr(self._chosen, group) for group in METHOD_SETTINGS[method])
-            self._identity = identity(frames.world.scene, in_force, kept_by(frames))
+            self._identity = identity(frames.world.scene, in_force, retained_fields(frames))
         return self._identity
 
     def stage_calls(self) -> Mapping[str, int]:

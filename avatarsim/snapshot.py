@@ -72,15 +72,15 @@ class Field(NamedTuple):
     most: int
 
 
-def kept_by(frames: Frames) -> list[Field]:
+def retained_fields(frames: Frames) -> list[Field]:
     """Return the fields that the parts of a frame keep from one to the next, in order. One of whole numbers without a range is
     an error."""
     world = frames.world
     sizes = Sizes(len(world.centres), len(world.geometry.body), len(world.scene.avatars))
-    return [field for part in frames.parts() for field in _kept(type(part).__name__, part.kept(), None, sizes)]
+    return [field for part in frames.parts() for field in _retained(type(part).__name__, part.retained_state(), None, sizes)]
 
 
-def _kept(path: str, value: object, annotation: Any, sizes: Sizes, inherited: bool = True) -> Iterator[Field]:
+def _retained(path: str, value: object, annotation: Any, sizes: Sizes, inherited: bool = True) -> Iterator[Field]:
     """Yield arrays in nested named tuples, and columns of tables; numbers are constants, and records working memory."""
     kept = is_kept(annotation, inherited)
     if isinstance(value, np.ndarray) and value.dtype.names is None:
@@ -88,11 +88,11 @@ def _kept(path: str, value: object, annotation: Any, sizes: Sizes, inherited: bo
             yield Field(path, value, *_range(path, value, annotation, sizes))
     elif isinstance(value, np.ndarray):
         for column in value.dtype.names if kept else ():
-            yield from _kept(f"{path}.{column}", value[column], hints_of(unmarked(annotation))[column], sizes)
+            yield from _retained(f"{path}.{column}", value[column], hints_of(unmarked(annotation))[column], sizes)
     elif isinstance(value, tuple):
         names: Iterable[str] = getattr(value, "_fields", map(str, range(len(value))))
         for name, one in zip(names, value, strict=True):
-            yield from _kept(f"{path}.{name}", one, hints_of(type(value)).get(name), sizes, kept)
+            yield from _retained(f"{path}.{name}", one, hints_of(type(value)).get(name), sizes, kept)
 
 
 def _range(path: str, array: Bits, annotation: Any, sizes: Sizes) -> tuple[int, int]:
@@ -105,39 +105,39 @@ def _range(path: str, array: Bits, annotation: Any, sizes: Sizes) -> tuple[int, 
     raise AvatarsimError(f"no range is stated for the whole numbers in {path}: this is a defect")
 
 
-def identity(scene: object, settings: object, kept: Sequence[Field]) -> Identity:
+def identity(scene: object, settings: object, retained: Sequence[Field]) -> Identity:
     """Return the identity of a snapshot of these fields. A scene's start is no part of it: the fields have the poses."""
-    layout = tuple((field.name, field.array.dtype.str, *field.array.shape) for field in kept)
+    layout = tuple((field.name, field.array.dtype.str, *field.array.shape) for field in retained)
     return Identity(*map(digest_of, (scene, settings, layout)))
 
 
 def digest_of(value: object) -> bytes:
     """Return a digest of nested descriptions: equal if and only if they describe the same."""
     digest = hashlib.blake2b(digest_size=DIGEST)
-    for piece in _told(value):
+    for piece in _encoded(value):
         digest.update(struct.pack("<Q", len(piece)) + piece)
     return digest.digest()
 
 
-def _told(value: object) -> Iterator[bytes]:
+def _encoded(value: object) -> Iterator[bytes]:
     """Yield a description as bytes, each with its kind before it, so that different ones never have equal bytes."""
     if is_dataclass(value) and not isinstance(value, type):
         yield type(value).__name__.encode()
         for field in fields(value):
             if field.compare:
-                yield from _told(getattr(value, field.name))
+                yield from _encoded(getattr(value, field.name))
     elif isinstance(value, np.ndarray):
         yield f"array {value.dtype.str} {value.shape}".encode()
         yield value.tobytes()
     elif isinstance(value, Mapping):
         yield f"mapping {len(value)}".encode()
         for key in sorted(value):
-            yield from _told(key)
-            yield from _told(value[key])
+            yield from _encoded(key)
+            yield from _encoded(value[key])
     elif isinstance(value, tuple):
         yield f"tuple {len(value)}".encode()
         for part in value:
-            yield from _told(part)
+            yield from _encoded(part)
     elif isinstance(value, int | float | np.number) and not isinstance(value, bool):
         # 1 and 1.0 describe the same
         yield f"number {float(value).hex()}".encode()
@@ -147,18 +147,18 @@ def _told(value: object) -> Iterator[bytes]:
         raise AvatarsimError(f"a {type(value).__name__} in a scene has no digest: this is a defect")
 
 
-def written(of: Identity, time: float, kept: Sequence[Field]) -> bytes:
-    """Return the state that `kept` holds at `time` [s]."""
+def written(of: Identity, time: float, retained: Sequence[Field]) -> bytes:
+    """Return the state that `retained` holds at `time` [s]."""
     packed = zlib.compressobj(COMPRESSION)
-    body = [packed.compress(field.array.tobytes()) for field in kept]
+    body = [packed.compress(field.array.tobytes()) for field in retained]
     body.append(packed.flush())
-    size = sum(field.array.nbytes for field in kept)
+    size = sum(field.array.nbytes for field in retained)
     whole = b"".join((HEAD.pack(MAGIC, FORMAT, *of, time, size), *body))
     return whole + hashlib.blake2b(whole, digest_size=DIGEST).digest()
 
 
-def read(data: object, of: Identity, kept: Sequence[Field]) -> tuple[float, list[Bits]]:
-    """Return the time [s] and new values of the arrays of `kept`; InvalidSnapshot unless `data` is a whole snapshot of `of`."""
+def read(data: object, of: Identity, retained: Sequence[Field]) -> tuple[float, list[Bits]]:
+    """Return the time [s] and new values of the `retained` arrays; InvalidSnapshot unless `data` is a whole snapshot of `of`."""
     if not isinstance(data, bytes | bytearray | memoryview):
         raise InvalidSnapshot("snapshot", data, "the bytes that engine.snapshot() returned")
     try:
@@ -183,11 +183,11 @@ def read(data: object, of: Identity, kept: Sequence[Field]) -> tuple[float, list
             raise InvalidSnapshot(f"digest of the {part} of the snapshot", found.hex(), f"{wanted.hex()}, {why}")
     if not 0.0 <= time < math.inf:
         raise InvalidSnapshot("time of the snapshot [s]", time, "a finite number from 0")
-    return time, _arrays(_unpacked(whole[HEAD.size : -DIGEST], size, kept), kept)
+    return time, _arrays(_unpacked(whole[HEAD.size : -DIGEST], size, retained), retained)
 
 
-def _unpacked(packed: bytes, size: int, kept: Sequence[Field]) -> bytes:
-    wanted = sum(field.array.nbytes for field in kept)
+def _unpacked(packed: bytes, size: int, retained: Sequence[Field]) -> bytes:
+    wanted = sum(field.array.nbytes for field in retained)
     if size != wanted:
         raise InvalidSnapshot("size of the snapshot's arrays", size, f"{wanted} bytes")
     unpacking = zlib.decompressobj()
@@ -201,9 +201,9 @@ def _unpacked(packed: bytes, size: int, kept: Sequence[Field]) -> bytes:
     return found
 
 
-def _arrays(body: bytes, kept: Sequence[Field]) -> list[Bits]:
+def _arrays(body: bytes, retained: Sequence[Field]) -> list[Bits]:
     found, at = [], 0
-    for field in kept:
+    for field in retained:
         kind: np.dtype[Any] = np.dtype(np.uint8) if field.array.dtype == np.bool_ else field.array.dtype
         array = np.frombuffer(body, kind, field.array.size, at).reshape(field.array.shape)
         at += field.array.nbytes
@@ -271,16 +271,16 @@ def tree_of(avatar: Avatar) -> list[tuple[object, ...]]:
     return [*links, avatar.couplings]
 
 
-def taken(into: NDArray[np.generic], of: NDArray[np.generic], rows: Rows) -> None:
+def copy_rows(into: NDArray[np.generic], of: NDArray[np.generic], rows: Rows) -> None:
     """Copy rows of one array into rows of another."""
     into[rows[:, 1]] = of[rows[:, 0]]
 
 
 def take_posture(into: Posture, of: Posture, both: Shared) -> None:
     """Copy the posture of avatars that both worlds have."""
-    taken(into.root, of.root, both.links)
-    taken(into.turn, of.turn, both.links)
-    taken(into.angle, of.angle, both.degrees)
+    copy_rows(into.root, of.root, both.links)
+    copy_rows(into.turn, of.turn, both.links)
+    copy_rows(into.angle, of.angle, both.degrees)
 
 
 def carry_poses(old: World, new: World, both: Shared) -> None:
@@ -289,11 +289,11 @@ def carry_poses(old: World, new: World, both: Shared) -> None:
     links = both.links + (old.skeleton.first, new.skeleton.first)
     take_posture(new.posture, old.posture, both)
     for rows in (both.bodies, links):
-        taken(new.poses.position, old.poses.position, rows)
-        taken(new.poses.rotation, old.poses.rotation, rows)
+        copy_rows(new.poses.position, old.poses.position, rows)
+        copy_rows(new.poses.rotation, old.poses.rotation, rows)
         if new.scene.effects.dynamics:
-            taken(new.velocities.linear, old.velocities.linear, rows)
-            taken(new.velocities.angular, old.velocities.angular, rows)
+            copy_rows(new.velocities.linear, old.velocities.linear, rows)
+            copy_rows(new.velocities.angular, old.velocities.angular, rows)
     for a, b in both.bodies.tolist():
         if (old.centres[a] != new.centres[b]).any():
             # another centre of mass in the same body: the body's frame stays
@@ -309,19 +309,19 @@ def carry_loops(old: Frames, new: Frames, both: Shared) -> None:
     carry_poses(old.world, new.world, both)
     new.time = old.time
     if new.driven:
-        new.lower.go_on(False)
+        new.lower.resume(False)
     if not (old.driven and new.driven):
         return
     take_posture(new.target.posture, old.target.posture, both)
     carry_given(old, new, both)
     one, other = old.lower, new.lower
     if isinstance(one, PaperLoop) and isinstance(other, PaperLoop):
-        taken(other.memory.tracked, one.memory.tracked, both.links)
-        taken(other.memory.velocity, one.memory.velocity, both.links)
+        copy_rows(other.memory.tracked, one.memory.tracked, both.links)
+        copy_rows(other.memory.velocity, one.memory.velocity, both.links)
     if isinstance(one, IkLoop) and isinstance(other, IkLoop):
         take_posture(other.state.target_before, one.state.target_before, both)
         take_posture(other.state.tracker_before, one.state.tracker_before, both)
-        taken(other.state.tracking.speed, one.state.tracking.speed, both.avatars)
+        copy_rows(other.state.tracking.speed, one.state.tracking.speed, both.avatars)
         carry_coupling(old, new, one, other, both)
 
 
@@ -330,7 +330,7 @@ def carry_given(old: Frames, new: Frames, both: Shared) -> None:
     if not (old.moves and new.moves):
         return
     for into, of in zip(new.given[:2], old.given[:2], strict=True):
-        taken(into, of, both.links)
+        copy_rows(into, of, both.links)
     places = {degree: k for k, degree in enumerate(old.world.hinges.tolist())}
     hinge = {degree: k for k, degree in enumerate(new.world.hinges.tolist())}
     for before, now in both.degrees.tolist():
@@ -359,8 +359,8 @@ def carry_coupling(old: Frames, new: Frames, one: IkLoop, other: IkLoop, both: S
     links = both.links + (old.world.skeleton.first, new.world.skeleton.first)
     other.trackers.turn[:] = one.trackers.turn
     for into, of in ((other.trackers.one, one.trackers.one), (other.trackers.other, one.trackers.other)):
-        taken(into.position, of.position, links)
-        taken(into.rotation, of.rotation, links)
+        copy_rows(into.position, of.position, links)
+        copy_rows(into.rotation, of.rotation, links)
     for name in kept_names(DriveState):
         if name not in ("carrier", "tied", "linked"):
-            taken(getattr(new.world.drive, name), getattr(old.world.drive, name), links)
+            copy_rows(getattr(new.world.drive, name), getattr(old.world.drive, name), links)

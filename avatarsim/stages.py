@@ -152,7 +152,7 @@ class Output:
         angles = world.posture.angle[world.hinges]
         self.words, self.shown = pack(Shown(world.centres, first, *shown_poses(world), angles, world.hinges))
 
-    def kept(self) -> tuple[()]:
+    def retained_state(self) -> tuple[()]:
         """Return nothing: the shown state follows from that of the world."""
         return ()
 

@@ -21,7 +21,7 @@ def test_it_is_the_dictionary_that_it_is_not_filled_into() -> None:
 
 
 def test_two_stand_beside_each_other() -> None:
-    both = Tally(NAMES, NUMBERS).beside(Tally(("islands",), [2]), (*NAMES, "islands"))
+    both = Tally(NAMES, NUMBERS).joined_with(Tally(("islands",), [2]), (*NAMES, "islands"))
     assert both == {"queries": 3, "steps": 0, "held": 7, "islands": 2}
 
 

@@ -21,7 +21,7 @@ def test_frames_through_arenas_are_the_same_to_the_last_bit(name: str) -> None:
     scene, chosen = SCENES[name], Chosen()
     apart, world = solver_of(scene), build(scene)
     target, lower = Target(world), IkLoop(world, chosen.posture, chosen.coupling)
-    lower.watch(NOT_KNOWN)
+    lower.set_moving(NOT_KNOWN)
     worked, w = 0, apart.world
     plan, planning_avatar = make_planner(
         w.geometry, w.skeleton, apart.avatars, apart.state, w.posture, w.poses, np.array(scene.gravity), 0

@@ -24,7 +24,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
-from avatarsim.snapshot import DIGEST, HEAD, digest_of, kept_by
+from avatarsim.snapshot import DIGEST, HEAD, digest_of, retained_fields
 from tests.stability.hostile import DT, hinged_trial, hostile_motion
 from tests.worlds.little_worlds import at
 from tests.worlds.loaded import loaded
@@ -282,7 +282,7 @@ def test_a_forged_number_is_refused_or_harmless(name: str) -> None:
 def forged(engine: AvatarsimEngine, data: bytes, name: str, change: Callable[[np.ndarray], None]) -> bytes:
     """Return a snapshot with one array changed, under a checksum that is right."""
     body, at = bytearray(zlib.decompress(data[HEAD.size : -DIGEST])), 0
-    for kept in kept_by(engine._running()):
+    for kept in retained_fields(engine._running()):
         if kept.name == name:
             array = np.frombuffer(body, kept.array.dtype, kept.array.size, at).reshape(kept.array.shape)
             change(array)

@@ -176,9 +176,9 @@ def exclude_coupled(
             continue
         if drive.coupled[b] == 0:
             couple(drive, before, now, b, dt)
-        way, turn = follow(drive, before, now, b, dt)
+        step, turn = follow(drive, before, now, b, dt)
         top = min(TOP_SPEED, drive.fastest[b]) if drive.moves[b] == 1 else TOP_SPEED
-        v, w, share = limited(scale(way, 1.0 / dt), top), limited(scale(turn, 1.0 / dt), TOP_SPIN), share_of_noise(drive, b)
+        v, w, share = limited(scale(step, 1.0 / dt), top), limited(scale(turn, 1.0 / dt), TOP_SPIN), share_of_noise(drive, b)
         accelerate(v, b, dt, share, drive.linear, drive.gained, drive.ramp, drive.lag)
         accelerate(w, b, dt, share, drive.angular, drive.gained_turn, drive.ramp_turn, drive.lag_turn)
         drive.unloaded[b] = 0.0 if drive.loaded[b] == 1 else drive.unloaded[b] + dt

@@ -10,7 +10,7 @@ from avatarsim.tolerances import JUDGED
 
 
 @kernel
-def stands(before: Poses, now: Poses, b: int) -> bool:
+def is_target_still(before: Poses, now: Poses, b: int) -> bool:
     """Return whether the given pose of body b is equal at the start and at the end of the frame."""
     same = True
     for i in range(3):
@@ -30,7 +30,7 @@ def carries(drive: DriveState, b: int) -> bool:
 
 
 @kernel
-def is_behind(drive: DriveState, poses: Poses, now: Poses, b: int) -> bool:
+def is_lagging(drive: DriveState, poses: Poses, now: Poses, b: int) -> bool:
     """Return whether body b is shown elsewhere than at its given pose."""
     if drive.stiffness[b] == 0.0:
         return False
@@ -47,10 +47,10 @@ def is_active(dynamics: Dynamics, poses: Poses, before: Poses, now: Poses, b: in
     drive, surface = dynamics.drive, row(dynamics.surface, b)
     if drive.coupled[b] == 1:
         speed, blocked = norm(row(drive.lag, b)) + norm(row(drive.lag_turn, b)), drive.blocked[b] + drive.blocked_turn[b] > 0
-        if blocked or speed > JUDGED or (drive.loaded[b] == 0 and is_behind(drive, poses, now, b)):
+        if blocked or speed > JUDGED or (drive.loaded[b] == 0 and is_lagging(drive, poses, now, b)):
             return True
     pushed = drive.stiffness[b] == 0.0 and drive.loaded[b] == 1
-    return bool(pushed or carries(drive, b) or dot(surface, surface) > 0.0 or not stands(before, now, b))
+    return bool(pushed or carries(drive, b) or dot(surface, surface) > 0.0 or not is_target_still(before, now, b))
 
 
 @kernel
@@ -68,13 +68,13 @@ def goes_at_most(drive: DriveState, poses: Poses, before: Poses, now: Poses, b: 
         return float(dt * (norm(row(drive.lag, b)) + norm(row(drive.lag_turn, b)) * far))
     turn = norm(turn_of(columns(poses.rotation, b), columns(now.rotation, b)))
     most_turn = norm(turn_of(columns(before.rotation, b), columns(now.rotation, b))) + dt * drive.fastest_turn[b]
-    way = norm(sub(row(now.position, b), row(poses.position, b)))
+    distance = norm(sub(row(now.position, b), row(poses.position, b)))
     most = norm(sub(row(now.position, b), row(before.position, b))) + dt * drive.fastest[b]
-    return float(min(way, most) + min(2.0, turn, most_turn) * far)
+    return float(min(distance, most) + min(2.0, turn, most_turn) * far)
 
 
 @kernel
-def load_beside(
+def load_near(
     skel: Skeleton, drive: DriveState, poses: Poses, before: Poses, now: Poses, b: int, dt: float, room: float
 ) -> bool:
     """Put under load the avatars that body b may come nearer to than ``room`` [m] in this frame; return whether there are any."""
@@ -110,10 +110,10 @@ def load_moving(
         if drive.moves[b] * drive.may_couple[b] == 1:
             drive.loaded[b] = 1 if is_active(dynamics, poses, before, now, b) else 0
             if drive.coupled[b] + drive.loaded[b] > 0:
-                again = load_beside(skel, drive, poses, before, now, b, dt, room) or again
+                again = load_near(skel, drive, poses, before, now, b, dt, room) or again
     while again:
         again = False
         for link in range(skel.kind.shape[0]):
             b = skel.first + link
             if drive.moves[b] == 0 and drive.loaded[b] == 1:
-                again = load_beside(skel, drive, poses, before, now, b, dt, room) or again
+                again = load_near(skel, drive, poses, before, now, b, dt, room) or again

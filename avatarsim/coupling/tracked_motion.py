@@ -50,7 +50,7 @@ class TrackedMotion(NamedTuple):
 
 
 @kernel
-def stands_still(dynamics: Dynamics, b: int) -> bool:
+def is_stationary(dynamics: Dynamics, b: int) -> bool:
     """Return whether body b is fixed, or a moving one that the upper loop does not move."""
     return bool(dynamics.role[b] == FIXED or (dynamics.drive.moves[b] == 1 and dynamics.drive.coupled[b] == 0))
 
@@ -68,7 +68,7 @@ def project_velocities(geo: Geometry, dynamics: Dynamics, contacts: Contacts, ve
         for k in range(contacts.used[0]):
             for side in range(2):
                 b, other = geo.body[contacts.pair[k, side]], geo.body[contacts.pair[k, 1 - side]]
-                if not stands_still(dynamics, other) or stands_still(dynamics, b):
+                if not is_stationary(dynamics, other) or is_stationary(dynamics, b):
                     continue
                 n = row(contacts.normal, k) if side == 0 else scale(row(contacts.normal, k), -1.0)
                 into = dot(row(v, b), n)
@@ -83,8 +83,8 @@ def project_velocities(geo: Geometry, dynamics: Dynamics, contacts: Contacts, ve
 def tracked_velocities(skel: Skeleton, before: Poses, now: Poses, dt: float, velocities_out: Velocities) -> None:
     """Set the velocity of every link to that of its tracker, up to a largest speed."""
     for b in range(skel.first, now.position.shape[0]):
-        way = sub(row(now.position, b), row(before.position, b))
-        put_row(velocities_out.linear, b, limited(scale(way, 1.0 / dt), TOP_SPEED))
+        step = sub(row(now.position, b), row(before.position, b))
+        put_row(velocities_out.linear, b, limited(scale(step, 1.0 / dt), TOP_SPEED))
         turn = turn_of(columns(before.rotation, b), columns(now.rotation, b))
         put_row(velocities_out.angular, b, limited(scale(turn, 1.0 / dt), TOP_SPIN))
 
@@ -130,7 +130,7 @@ def relax(skel: Skeleton, drive: DriveState, dt: float, target_out: Posture, vel
 
 
 @kernel
-def give_to_roots(skel: Skeleton, received: Array, inverse_mass: Array, rate_out: Array) -> None:
+def apply_to_roots(skel: Skeleton, received: Array, inverse_mass: Array, rate_out: Array) -> None:
     """Add impulses (nb, 3) [N s] to the velocities of the roots (method `paper`)."""
     for link in range(skel.kind.shape[0]):
         root = root_of(skel, link)

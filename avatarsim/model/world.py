@@ -94,7 +94,7 @@ class World:
         masses = self.dynamics
         return np.where(masses.role == Role.SIMULATED.value, -1, masses.material), masses.friction.copy()
 
-    def kept(self) -> WorldState:
+    def retained_state(self) -> WorldState:
         """Return what passes from frame to frame."""
         return WorldState(self.poses, self.velocities, self.posture, self.drive)
 
@@ -190,7 +190,7 @@ class Target:
         self.posture = self._parts.posture
         self._shapes = self.posture.root.shape, (len(self.posture.root), 4), world.hinges.shape
 
-    def kept(self) -> TargetParts:
+    def retained_state(self) -> TargetParts:
         """Return the posture that passes from frame to frame."""
         return self._parts
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.counters import Tally
-from avatarsim.coupling.tracked_motion import give_to_roots, tracked_velocities
+from avatarsim.coupling.tracked_motion import apply_to_roots, tracked_velocities
 from avatarsim.engine import Snapshot
 from avatarsim.errors import InvalidScene
 from avatarsim.jit.arena import pack, view_arena
@@ -33,9 +33,9 @@ class PaperParts(NamedTuple):
 
 
 @entry_kernel
-def follow_printed(world: Index, target: Index, kept: Index, dt: float) -> None:
+def follow_printed(world: Index, target: Index, lower: Index, dt: float) -> None:
     """Run `follow_as_printed` on the arenas of a world, its target and the memory of the loop."""
-    w, own, tracker = view_arena(world, WorldParts), view_arena(kept, PaperParts), view_arena(target, TargetParts).posture
+    w, own, tracker = view_arena(world, WorldParts), view_arena(lower, PaperParts), view_arena(target, TargetParts).posture
     follow_as_printed(
         w.geometry, w.skeleton, tracker, dt, own.settings, own.coupling, own.attraction, w.posture, w.poses, own.memory
     )
@@ -55,27 +55,27 @@ class PaperLoop:
     """The driven bodies of a world under method `paper`. `seed` settles the order in which chains are treated."""
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ()
-    WRITTEN: ClassVar[tuple[str, ...]] = ("_kept", "_before")
+    WRITTEN: ClassVar[tuple[str, ...]] = ("_words", "_before")
 
     def __init__(
         self, world: World, settings: PaperSettings, coupling: CouplingSettings, attraction: AttractionSettings, seed: int
     ) -> None:
         require_turning_joints(world.scene)
         self.world = world
-        self._kept, self._parts = pack(PaperParts(settings, coupling, attraction, make_paper_memory(world, seed)))
+        self._words, self._parts = pack(PaperParts(settings, coupling, attraction, make_paper_memory(world, seed)))
         self.memory = self._parts.memory
         self._before = Poses(*(array.copy() for array in world.poses))
 
-    def kept(self) -> PaperParts:
+    def retained_state(self) -> PaperParts:
         """Return what passes from frame to frame."""
         return self._parts
 
-    def go_on(self, begun: bool) -> None:
+    def resume(self, begun: bool) -> None:
         """Continue after the memory was replaced, and with it the pair filter: the broad phase begins anew."""
         fat = self.memory.overlaps.sweep.fat
         fat[:, :3], fat[:, 3:] = np.inf, -np.inf
 
-    def watch(self, moving: Index) -> None:
+    def set_moving(self, moving: Index) -> None:
         """Do nothing: this loop checks all bodies in every frame."""
 
     def follow(self, target: Target, dt: float) -> None:
@@ -83,13 +83,13 @@ class PaperLoop:
         world = self.world
         np.copyto(self._before.position, world.poses.position)
         np.copyto(self._before.rotation, world.poses.rotation)
-        follow_printed(world.words, target.words, self._kept, dt)
+        follow_printed(world.words, target.words, self._words, dt)
         if world.scene.effects.dynamics:
             tracked_velocities(world.skeleton, self._before, world.poses, dt, world.velocities)
 
     def receive(self, impulses: Array) -> None:
         """Add impulses (nb, 3) [N s] on driven bodies to the velocities that eq. 6 continues from; nothing moves again."""
-        give_to_roots(self.world.skeleton, impulses, self.world.dynamics.inverse_mass, self.memory.velocity)
+        apply_to_roots(self.world.skeleton, impulses, self.world.dynamics.inverse_mass, self.memory.velocity)
 
     def passed(self, time: float) -> tuple[Snapshot, ...]:
         """Return nothing: states within the rounds overlap, and are not shown."""

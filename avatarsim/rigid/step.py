@@ -112,9 +112,9 @@ class UpperParts(NamedTuple):
 
 
 @kernel
-def advance_opened(world: Index, kept: Index, dt: float) -> int:
+def advance_opened(world: Index, upper: Index, dt: float) -> int:
     """Run `advance` on the arenas of a world and of its upper loop."""
-    w, own = view_arena(world, WorldParts), view_arena(kept, UpperParts)
+    w, own = view_arena(world, WorldParts), view_arena(upper, UpperParts)
     return advance(w.geometry, w.dynamics, w.poses, w.velocities, dt, own.memory, own.events, own.switches)
 
 
@@ -134,11 +134,11 @@ class SimulatedLoop:
         self.memory, self.events = self._parts.memory, self._parts.events
         self._moving = np.flatnonzero(world.drive.moves)
 
-    def kept(self) -> UpperParts:
+    def retained_state(self) -> UpperParts:
         """Return what passes from frame to frame."""
         return self._parts
 
-    def go_on(self) -> None:
+    def resume(self) -> None:
         """Continue after the memory was replaced; the broad phase finds by itself that its fat boxes no longer hold."""
 
     def counts(self) -> Tally:

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from avatarsim.coupling.tracked_motion import give_to_roots, project_velocities, receive
+from avatarsim.coupling.tracked_motion import apply_to_roots, project_velocities, receive
 from avatarsim.engine import Settings
 from avatarsim.ik.state import make_contacts
 from avatarsim.model.world import World, build
@@ -73,7 +73,7 @@ def test_where_only_roots_have_springs_roots_hold_momentum() -> None:
     w = world()
     received, rate = np.zeros((3, 3)), np.zeros((2, 3))
     received[2] = (-0.1, 0.0, 0.0)
-    give_to_roots(w.skeleton, received, w.dynamics.inverse_mass, rate)
+    apply_to_roots(w.skeleton, received, w.dynamics.inverse_mass, rate)
     np.testing.assert_allclose(rate, [[-0.02, 0.0, 0.0], [0.0, 0.0, 0.0]])
 
 

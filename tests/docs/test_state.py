@@ -4,7 +4,7 @@ import re
 from itertools import pairwise
 from pathlib import Path
 
-from avatarsim.snapshot import kept_by
+from avatarsim.snapshot import retained_fields
 from tests.test_snapshot import cases
 
 PAGE = (Path(__file__).parents[2] / "docs" / "state.md").read_text(encoding="utf-8")
@@ -26,7 +26,7 @@ def listed() -> dict[str, set[str]]:
 def test_the_page_lists_what_frames_keep_and_nothing_else() -> None:
     found: dict[str, set[str]] = {part: set() for part in PARTS}
     for name in NAMES:
-        for field in kept_by(cases()[name].engine()._running()):
+        for field in retained_fields(cases()[name].engine()._running()):
             part, *names = field.name.split(".")
             found[part].add(names[0] if names[0] in WHOLE else ".".join(names[:2]))
     assert found == listed()
