@@ -64,7 +64,7 @@ def clear_row(avatars: Avatars, k: int, rows_out: ConstraintRows) -> None:
 
 
 @kernel
-def add_lever(
+def add_point_jacobian(
     skel: Skeleton, body: int, sign: float, n: Vec3, point: Vec3, poses: Poses, axes: Rows, k: int, jacobian_out: Rows
 ) -> None:
     """Add to row k how a point of a link moves along n, times sign."""
@@ -121,9 +121,9 @@ def add_contact(
     r.owner[k, 0], r.owner[k, 1] = one, -1 if other == one else other
     clear_row(avatars, k, r)
     if one >= 0:
-        add_lever(skel, geo.body[a], 1.0, n, on_a, poses, axes, k, r.jacobian)
+        add_point_jacobian(skel, geo.body[a], 1.0, n, on_a, poses, axes, k, r.jacobian)
     if other >= 0:
-        add_lever(skel, geo.body[b], -1.0, n, on_b, poses, axes, k, r.jacobian)
+        add_point_jacobian(skel, geo.body[b], -1.0, n, on_b, poses, axes, k, r.jacobian)
     fold_row(rig, k, r)
     arm, opposite = sub(on_a, row(poses.position, geo.body[a])), sub(on_b, row(poses.position, geo.body[b]))
     put_row(r.normal, k, n)
@@ -280,7 +280,7 @@ def add_limit_rows(skel: Skeleton, avatar: int, link: int, turn: tuple[Vec3, Vec
     most = most_swing(skel.balls, link)
     beyond = swing - most
     if has_reach(skel.balls, link):
-        beyond, back = way_back(skel.balls, link, limb_of(skel.balls, link, turn), most)
+        beyond, back = shortest_return(skel.balls, link, limb_of(skel.balls, link, turn), most)
     if beyond > 0.0:
         add_turn_row(avatar, d, turned_back(turn, back), beyond + INSIDE, scratch_out)
     low, high = skel.balls.twist[link, 0], skel.balls.twist[link, 1]
@@ -295,7 +295,7 @@ def add_limit_rows(skel: Skeleton, avatar: int, link: int, turn: tuple[Vec3, Vec
 
 
 @kernel
-def way_back(balls: BallLimits, link: int, limb: Vec3, most: float) -> tuple[float, Vec3]:
+def shortest_return(balls: BallLimits, link: int, limb: Vec3, most: float) -> tuple[float, Vec3]:
     """Return the angle [rad] and unit axis (parent's axes) of the shortest turn of a limb into its polygon and swing cone."""
     allowed = nearest_in_reach(balls, link, limb, most)
     axis = cross(limb, allowed)

@@ -25,20 +25,20 @@ from avatarsim.tolerances import NOTHING
 
 CONTACT, FRICTION = int(RowKind.CONTACT), int(RowKind.FRICTION)
 
-HELD = 6
+MOST_CONTACTS = 6
 """Contacts of an avatar that have friction at most, those that press hardest. Fewer: a hand turns about the ones that are left;
 more: slowest frames of hands that grip take longer."""
 
 
 @kernel
 def add_friction(rig: Rig, settings: PostureSettings, members: int, poses: Poses, state: IkState, scratch_out: IkScratch) -> None:
-    """Append friction rows for the contacts with fixed bodies that press hardest, HELD for each of so many members.
+    """Append friction rows for the contacts with fixed bodies that press hardest, MOST_CONTACTS for each of so many members.
 
     The planning avatar has none."""
     rows, count = scratch_out.rows, scratch_out.rows.used[0]
     for k in range(count):
         rows.before[k] = largest_force(rig, k, state, rows)
-    for _ in range(HELD * members):
+    for _ in range(MOST_CONTACTS * members):
         hardest = 0
         for k in range(1, count):
             hardest = k if rows.before[k] > rows.before[hardest] else hardest
@@ -90,15 +90,15 @@ def hold(rig: Rig, settings: PostureSettings, k: int, most: float, poses: Poses,
     most *= exp(-((speed / settings.sticking_speed) ** 2))
     if not (most > NOTHING and depth > NOTHING):
         return
-    way = displacement(skel, link, on_a, poses, state.axes, o.newton)
-    slip, first = sub(way, scale(n, dot(n, way))), rows.used[0]
+    motion = displacement(skel, link, on_a, poses, state.axes, o.newton)
+    slip, first = sub(motion, scale(n, dot(n, motion))), rows.used[0]
     along_slip = scale(slip, 1.0 / norm(slip)) if norm(slip) > NOTHING else perpendicular(n)
     for t in (along_slip, cross(n, along_slip)):
         add_contact(rig, a, b, t, on_a, on_b, 0.0, poses, state.axes, scratch_out.still, scratch_out)
     transform(avatars, scratch_out)
     for q in range(first, rows.used[0]):
-        held = depth * state.tracking.share[avatar] / (rows.gram[q, q] + SOFTNESS)
-        rows.kind[q], rows.most[q] = FRICTION, min(most, held)
+        limit = depth * state.tracking.share[avatar] / (rows.gram[q, q] + SOFTNESS)
+        rows.kind[q], rows.most[q] = FRICTION, min(most, limit)
         rows.least[q] = -rows.most[q]
 
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from avatarsim.ik.constraints import add_lever
+from avatarsim.ik.constraints import add_point_jacobian
 from avatarsim.ik.kinematics import parts_of
 from avatarsim.ik.make import empty_posture
 from avatarsim.jit.kernel import entry_kernel, kernel
@@ -155,10 +155,10 @@ def linearise(skel: Skeleton, goals: Goals, lever: float, scratch_out: GoalScrat
         link, k = goals.link[g], 6 * g
         body = skel.first + link
         if goals.has_place[g]:
-            way = limited(sub(row(goals.place, g), row(s.poses.position, body)), 2.0 * lever)
+            offset = limited(sub(row(goals.place, g), row(s.poses.position, body)), 2.0 * lever)
             for i in range(3):
-                s.error[k + i] = way[i]
-                add_lever(skel, body, 1.0, AXES[i], row(s.poses.position, body), s.poses, s.axes, k + i, s.jacobian)
+                s.error[k + i] = offset[i]
+                add_point_jacobian(skel, body, 1.0, AXES[i], row(s.poses.position, body), s.poses, s.axes, k + i, s.jacobian)
         if goals.has_turn[g]:
             turn = limited(turn_of(columns(s.poses.rotation, body), columns(goals.turn, g)), 1.0)
             for i in range(3):
@@ -242,15 +242,15 @@ def take_within_limits(skel: Skeleton, lever: float, posture_out: Posture, scrat
     for link in range(skel.kind.shape[0]):
         d, end = skel.first_dof[link], skel.first_dof[link + 1]
         if skel.kind[link] == BALL:
-            asked = (s.step[d], s.step[d + 1], s.step[d + 2])
-            if norm(asked) > 0.0:
+            requested = (s.step[d], s.step[d + 1], s.step[d + 2])
+            if norm(requested) > 0.0:
                 before = columns(posture_out.turn, link)
-                wanted = straightened(stepped(before, asked))
+                wanted = straightened(stepped(before, requested))
                 now = allowed(skel, link, wanted)
                 put_columns(posture_out.turn, link, now)
                 most = max(most, norm(step_between(before, now)))
                 lost = step_between(now, wanted)
-                stiffen(s.mobility, d, lost, stopped(norm(lost), norm(asked)))
+                stiffen(s.mobility, d, lost, stopped(norm(lost), norm(requested)))
         elif has_angles(skel, link):
             for j in range(d, end):
                 angle = posture_out.angle[j]
@@ -270,10 +270,10 @@ def allowed(skel: Skeleton, link: int, turn: Columns) -> Columns:
 
 
 @kernel
-def stopped(lost: float, asked: float) -> float:
-    """Return the share, 0 to 1, to which a joint is stopped if limits took `lost` of the turn `asked` [rad]; continuous in
+def stopped(lost: float, requested: float) -> float:
+    """Return the share, 0 to 1, to which a joint is stopped if limits took `lost` of the turn `requested` [rad]; continuous in
     both."""
-    return min(lost / max(STOPPED * asked, ROUGH), 1.0)
+    return min(lost / max(STOPPED * requested, ROUGH), 1.0)
 
 
 @kernel
@@ -283,10 +283,10 @@ def stiffen(mobility_out: Vectors, d: int, direction: Vec3, share: float) -> Non
     if not length > 0.0:
         return
     along = scale(direction, 1.0 / length)
-    taken = (dot(row(mobility_out, d), along), dot(row(mobility_out, d + 1), along), dot(row(mobility_out, d + 2), along))
-    factor = share / (1.0 - share * (1.0 - LEAST_FREE - dot(taken, along)))
+    response = (dot(row(mobility_out, d), along), dot(row(mobility_out, d + 1), along), dot(row(mobility_out, d + 2), along))
+    factor = share / (1.0 - share * (1.0 - LEAST_FREE - dot(response, along)))
     for i in range(3):
-        put_row(mobility_out, d + i, add(row(mobility_out, d + i), scale(taken, -factor * taken[i])))
+        put_row(mobility_out, d + i, add(row(mobility_out, d + i), scale(response, -factor * response[i])))
 
 
 @kernel

@@ -5,7 +5,7 @@ is to move by
 
     dq* + u / (1 + w)^2 + (w / (1 + w))^2 (p - dq*)
 
-This is backward Euler of x'' = -2 omega x' - omega^2 x, for the way x to the nearest posture (Hairer and Wanner 1996, section
+This is backward Euler of x'' = -2 omega x' - omega^2 x, for the offset x to the nearest posture (Hairer and Wanner 1996, section
 IV.3), and the least of an incremental potential (Martin and others 2011; docs/posture.md): metric, rows and certificates are
 those of a frame without inertia. The two steps of a frame are Newton iterations of that one potential. With the target at rest
 the same postures are fixed points as without inertia, since the spring is damped and u ends at zero.
@@ -50,9 +50,9 @@ def carry_momentum(
 
 
 @kernel
-def terminal_speed(settings: PostureSettings, way: float, dt: float) -> float:
+def terminal_speed(settings: PostureSettings, distance: float, dt: float) -> float:
     """Return the steady speed [m/s] of a spring whose distance [m] to the target is constant, as beyond the loss radius."""
-    return settings.natural_frequency * way / (2.0 + settings.natural_frequency * dt)
+    return settings.natural_frequency * distance / (2.0 + settings.natural_frequency * dt)
 
 
 @kernel
@@ -105,15 +105,15 @@ def resist(rig: Rig, avatar: int, state: IkState, objective_out: Objective) -> N
         return
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
         o.newton[j] = goal_of(avatar, j, o.newton[j], state, o.target_motion)
-    way = sub(row(o.origin, root), row(o.aim, root))
-    far = norm(way)
+    offset = sub(row(o.origin, root), row(o.aim, root))
+    far = norm(offset)
     if skel.kind[root] == FREE and far > 0.0:
         d, m = skel.first_dof[root], state.inertia.momentum
-        speed = dot((m[d], m[d + 1], m[d + 2]), way) / far
+        speed = dot((m[d], m[d + 1], m[d + 2]), offset) / far
         share = far / (far + LOSS_RADIUS * state.tracking.reach[avatar])
         undamped = max(0.0, speed) * (1.0 - state.tracking.keep[avatar]) * share / far
         for i in range(3):
-            o.newton[d + i] += undamped * way[i]
+            o.newton[d + i] += undamped * offset[i]
 
 
 @kernel
@@ -131,7 +131,7 @@ def resist_straight(avatars: Avatars, avatar: int, state: IkState, scratch_out: 
 
 
 @kernel
-def note_way(avatars: Avatars, avatar: int, step: Array, own: Array, state_out: IkState) -> None:
+def note_step(avatars: Avatars, avatar: int, step: Array, own: Array, state_out: IkState) -> None:
     """Add a step (nd) to the motion of this frame beyond the target's own."""
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
         state_out.inertia.gone[j] += step[j] - own[j]

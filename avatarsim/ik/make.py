@@ -156,15 +156,15 @@ def make_rows(avatars: Avatars, nd: int) -> ConstraintRows:
     )
 
 
-def make_working(geo: Geometry, skel: Skeleton, avatars: Avatars, poses: Poses, kept: int) -> IkScratch:
-    """Return working memory, with room for the poses of `kept` steps of a frame."""
+def make_working(geo: Geometry, skel: Skeleton, avatars: Avatars, poses: Poses, trail_steps: int) -> IkScratch:
+    """Return working memory, with room for the poses of `trail_steps` steps of a frame."""
     nl, nd, na = len(skel.kind), int(skel.first_dof[-1]), len(avatars.first_link) - 1
     return IkScratch(
         empty_posture(nl, nd), Poses(*(array.copy() for array in poses)), zeros(nd, 3), poses.boxes.copy(), poses.hulls.copy(),
         zeros(na, 6), zeros(nd), zeros(nd), zeros(nd), zeros(nd), indices(na), indices(na), make_objective(avatars,
         nl, nd),
         make_rows(avatars, nd), Failed(indices(1), indices(TOUCHING_PER_AVATAR * na, 2)), make_scratch(),
-        indices(len(COUNT_NAMES)), zeros(kept, nl, 12),
+        indices(len(COUNT_NAMES)), zeros(trail_steps, nl, 12),
     )
 
 
@@ -179,7 +179,7 @@ def spans(skel: Skeleton) -> Avatars:
 
 
 def make_solver(
-    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, kept: int = 0,
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, trail_steps: int = 0,
     friction: tuple[NDArray[np.int64], Array] | None = None,
 ) -> tuple[Avatars, IkState, IkScratch]:
     """Return all that the solver needs for a world at its first posture."""
@@ -188,4 +188,4 @@ def make_solver(
     for a in range(len(own.first_link) - 1):
         carry_avatar(Rig(geo, skel, own), a, posture, zeros(nd), poses, axes)
     avatars, reach = make_avatars(geo, skel, poses, friction)
-    return avatars, make_state(geo, skel, avatars, reach, axes, posture), make_working(geo, skel, avatars, poses, kept)
+    return avatars, make_state(geo, skel, avatars, reach, axes, posture), make_working(geo, skel, avatars, poses, trail_steps)

@@ -116,18 +116,18 @@ def scale_by(first: int, last: int, factor: float, step_out: Array) -> None:
 
 
 @kernel
-def time_of(rig: Rig, settings: PostureSettings, avatar: int, way: Array) -> float:
-    """Return the time [s] that the catch-up speeds take for a way (nd)."""
-    return longest_part(rig, avatar, way, settings.catch_up_move, settings.catch_up_turn)
+def time_of(rig: Rig, settings: PostureSettings, avatar: int, step: Array) -> float:
+    """Return the time [s] that the catch-up speeds take for a step (nd)."""
+    return longest_part(rig, avatar, step, settings.catch_up_move, settings.catch_up_turn)
 
 
 @kernel
-def budgets_of(rig: Rig, avatar: int, way: Array, budget: Budget) -> float:
-    """Return how many budgets of a frame a way (nd) is long: of the joint or root of which it is most."""
+def budgets_of(rig: Rig, avatar: int, step: Array, budget: Budget) -> float:
+    """Return how many budgets of a frame a step (nd) is long: of the joint or root of which it is most."""
     avatars = rig.avatars
     most = 0.0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        moved, turned = parts_of(rig.skel, link, way)
+        moved, turned = parts_of(rig.skel, link, step)
         if moved > 0.0:
             most = max(most, moved / budget.move[link] if budget.move[link] > 0.0 else inf)
         if turned > 0.0:

@@ -3,7 +3,7 @@
 min f(x) such that every signed gap g(x) >= margin, f the objective of a frame about a target posture (`ik.objective`). A step
 solves the QP of a frame (`ik.qp`) with a row J dx >= margin - g for each near pair, where g of an overlapping pair is minus its
 penetration depth along the direction of least depth (van den Bergh 2001). There are two phases (Nocedal and Wright 2006, chapter
-18). Restoration takes whole steps, in which the pull of the target fades from step to step, until the posture is free. Descent
+18). Restoration takes whole steps, in which the target attracts less from step to step, until the posture is free. Descent
 starts at the free posture with the least f and takes steps that keep it free and lower f, with backtracking.
 
 It is outside the frame and needs no free state to start from. The sides of thin bodies are those of least depth.
@@ -40,9 +40,9 @@ RESTORING, DESCENDING = 24, 12
 """Most steps of the two phases. Fewer: deep starts are given up, or end farther from their target; more: time where none is
 found."""
 
-WHOLE_PULLS, FADING = 8, 0.7
-"""Steps of the restoration in which the target pulls in full, and the factor by which it pulls less in each after that. More, or
-nearer to 1: opposite pulls of target and walls take all steps; fewer, or smaller: the first free posture is farther away."""
+FULL_STEPS, FADING = 8, 0.7
+"""Steps of the restoration in which the target attracts fully, and the factor by which it does less in each one after. More, or
+nearer to 1: attractions by target and walls take all steps; fewer, or smaller: the first free posture is farther away."""
 
 FARTHEST_STEP = 0.25
 """[rad, m] of a joint or a root in one step. Larger: directions of deep pairs are followed beyond where they hold; smaller: more
@@ -223,8 +223,8 @@ def value_at(rig: Rig, posture: Posture, poses: Poses, search_out: FreeSearch) -
 
 
 @kernel
-def solve_step(rig: Rig, posture: Posture, poses: Poses, pull: float, search_out: FreeSearch) -> float:
-    """Solve for the QP's step from a posture, with `pull` as the share of the way to the target; return its largest part."""
+def solve_step(rig: Rig, posture: Posture, poses: Poses, attraction: float, search_out: FreeSearch) -> float:
+    """Solve for the QP's step from a posture, `attraction` is the share of the step to the target; return its largest part."""
     s, state, avatars, count = search_out.scratch, search_out.state, rig.avatars, 0
     for avatar in range(avatars.first_link.shape[0] - 1):
         if s.is_active[avatar] == 0:
@@ -233,7 +233,7 @@ def solve_step(rig: Rig, posture: Posture, poses: Poses, pull: float, search_out
         model(rig, avatar, state, poses, s.objective)
         bound_step(rig, avatar, posture, state.budget, s)
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
-            s.objective.newton[j] *= pull
+            s.objective.newton[j] *= attraction
     for _ in range(3):
         solve_qp(rig, 0, count, FINE * SETTLED, state, s)
         beyond = 0
@@ -284,21 +284,21 @@ def restore(
     rig: Rig, margin: float, is_strict: bool, posture_out: Posture, poses_out: Poses, most: float, search_out: FreeSearch
 ) -> float:
     """Take whole steps until the posture is free and settled; return the least f of free postures on the way, else infinity."""
-    pull, within, dropped, least = 1.0, NEAR, search_out.scratch.counts[DROPPED], inf
+    attraction, within, dropped, least = 1.0, NEAR, search_out.scratch.counts[DROPPED], inf
     for k in range(RESTORING):
         place_solved(rig, posture_out, poses_out, search_out)
         worst = add_rows(rig, poses_out, margin, is_strict, within, search_out)
         least = is_better(rig, posture_out, poses_out, worst, least, search_out)
         if search_out.scratch.counts[DROPPED] > dropped:
             dropped, within = search_out.scratch.counts[DROPPED], 0.5 * within
-        step = solve_step(rig, posture_out, poses_out, pull, search_out)
-        if worst >= 0.0 and (step < SETTLED or pull < 1.0):
+        step = solve_step(rig, posture_out, poses_out, attraction, search_out)
+        if worst >= 0.0 and (step < SETTLED or attraction < 1.0):
             break
-        if k >= WHOLE_PULLS and value_at(rig, posture_out, poses_out, search_out) > FAR * most:
+        if k >= FULL_STEPS and value_at(rig, posture_out, poses_out, search_out) > FAR * most:
             break
         go(rig, posture_out, search_out)
-        if k >= WHOLE_PULLS:
-            pull *= FADING
+        if k >= FULL_STEPS:
+            attraction *= FADING
     return least
 
 

@@ -67,13 +67,13 @@ def draw_near(rig: Rig, avatar: int, state: IkState, poses: Poses, objective_out
     than one that is near: limbs do not stretch after it."""
     skel, avatars = rig.skel, rig.avatars
     c, first = objective_out, avatars.first_link[avatar]
-    way = sub(row(c.origin, first), row(poses.position, skel.first + first))
+    offset = sub(row(c.origin, first), row(poses.position, skel.first + first))
     # the target's latest motion is followed in full
     moved, _ = parts_of(skel, first, c.target_motion)
-    far, d = norm(way), LOSS_RADIUS * state.tracking.reach[avatar] + moved
+    far, d = norm(offset), LOSS_RADIUS * state.tracking.reach[avatar] + moved
     share = 1.0 - d / far if far > d else 0.0
     for link in range(first, avatars.first_link[avatar + 1]):
-        put_row(c.aim, link, sub(row(c.origin, link), scale(way, share)))
+        put_row(c.aim, link, sub(row(c.origin, link), scale(offset, share)))
 
 
 @kernel
@@ -120,16 +120,16 @@ def stretch(force: Vec3, arm: Vec3) -> float:
 @kernel
 def gather(rig: Rig, avatar: int, state: IkState, poses: Poses, objective_out: Objective) -> None:
     """Sum up for each link with all it carries, about its own origin: weight of origins, their first and second moments, the sum
-    of their weighted ways to the target and its moments, contact forces, and the inertia that these and the pulls add."""
+    of their attractions by the target and its moments, contact forces, and the inertia that these and the attractions add."""
     skel, avatars = rig.skel, rig.avatars
     c, d = objective_out, LOSS_RADIUS * state.tracking.reach[avatar]
     low, high, bodies = avatars.first_link[avatar], avatars.first_link[avatar + 1], skel.first
     for link in range(low, high):
-        way = sub(row(c.aim, link), row(poses.position, bodies + link))
-        square = dot(way, way)
+        offset = sub(row(c.aim, link), row(poses.position, bodies + link))
+        square = dot(offset, offset)
         n = avatars.link_weight[link] * (1.0 if square <= d * d else d / sqrt(square))
-        c.number[link], c.inertia[link] = n, state.bend[link]
-        put_row(c.pull, link, scale(way, n))
+        c.number[link], c.inertia[link] = n, state.curvature[link]
+        put_row(c.attraction, link, scale(offset, n))
         put_row(c.load, link, row(state.force, link))
         for i in range(3):
             c.first[link, i] = 0.0
@@ -141,17 +141,17 @@ def gather(rig: Rig, avatar: int, state: IkState, poses: Poses, objective_out: O
         if parent < 0:
             continue
         arm, n = sub(row(poses.position, bodies + link), row(poses.position, bodies + parent)), c.number[link]
-        first, way, load = row(c.first, link), row(c.pull, link), row(c.load, link)
+        first, attraction, load = row(c.first, link), row(c.attraction, link), row(c.load, link)
         c.number[parent] += n
-        c.inertia[parent] += c.inertia[link] + stretch(add(way, load), arm)
+        c.inertia[parent] += c.inertia[link] + stretch(add(attraction, load), arm)
         if skel.kind[link] == SLIDE:
-            c.inertia[parent] += norm(add(way, load)) * state.tracking.reach[avatar]
+            c.inertia[parent] += norm(add(attraction, load)) * state.tracking.reach[avatar]
         for i in range(3):
             c.first[parent, i] += first[i] + n * arm[i]
-            c.pull[parent, i] += way[i]
+            c.attraction[parent, i] += attraction[i]
             c.load[parent, i] += load[i]
             for k in range(3):
-                c.twist[parent, i, k] += c.twist[link, i, k] + arm[i] * way[k]
+                c.twist[parent, i, k] += c.twist[link, i, k] + arm[i] * attraction[k]
                 c.second[parent, i, k] += c.second[link, i, k] + arm[i] * first[k] + first[i] * arm[k] + n * arm[i] * arm[k]
 
 
@@ -164,10 +164,10 @@ def fall(rig: Rig, avatar: int, axes: Rows, objective_out: Objective) -> None:
         d, last = skel.first_dof[link], skel.first_dof[link + 1]
         if skel.kind[link] == FREE:
             for j in range(d, d + 3):
-                c.newton[j] = dot(row(axes, j), row(c.pull, link))
+                c.newton[j] = dot(row(axes, j), row(c.attraction, link))
             d += 3
         elif skel.kind[link] == SLIDE:
-            c.newton[d] = dot(row(axes, d), row(c.pull, link)) + avatars.turn_weight[d] * c.error[d]
+            c.newton[d] = dot(row(axes, d), row(c.attraction, link)) + avatars.turn_weight[d] * c.error[d]
             continue
         moment = (b[link, 1, 2] - b[link, 2, 1], b[link, 2, 0] - b[link, 0, 2], b[link, 0, 1] - b[link, 1, 0])
         for j in range(d, last):
@@ -185,10 +185,10 @@ def note_motions(rig: Rig, avatar: int, poses: Poses, axes: Rows, objective_out:
         arm = sub(row(poses.position, skel.first + root), row(poses.position, skel.first + link))
         for j in range(d, skel.first_dof[link + 1]):
             axis = row(axes, j)
-            way = cross(axis, arm) if j >= moves else axis
+            velocity = cross(axis, arm) if j >= moves else axis
             for k in range(3):
                 motion[j, k] = axis[k] if j >= moves else 0.0
-                motion[j, 3 + k] = way[k]
+                motion[j, 3 + k] = velocity[k]
 
 
 @kernel
@@ -222,7 +222,7 @@ def fill_metric(rig: Rig, avatar: int, poses: Poses, axes: Rows, reach: float, o
                 )
             factor[j, depth[j]] += avatars.turn_weight[j]
         if skel.kind[link] == SLIDE:
-            factor[first, depth[first]] += norm(add(row(c.pull, link), row(c.load, link))) / reach
+            factor[first, depth[first]] += norm(add(row(c.attraction, link), row(c.load, link))) / reach
 
 
 @kernel

@@ -176,12 +176,12 @@ def set_brake(braking_out: Braking) -> None:
 
 
 @kernel
-def share_inside(point: Line, way: Line, centre: Line, is_centred: bool, radius: float, first: int, last: int) -> float:
-    """Return the share, at most 1, of the way from a point in a ball of degrees first .. last - 1 to another one that is in it;
+def share_inside(point: Line, other: Line, centre: Line, is_centred: bool, radius: float, first: int, last: int) -> float:
+    """Return the share, at most 1, of the step from a point in a ball of degrees first .. last - 1 to `other`, which is in it;
     the ball is about `centre`, or about zero."""
     along, across, rest = 0.0, 0.0, -radius * radius
     for j in range(first, last):
-        step, from_centre = way[j] - point[j], point[j] - (centre[j] if is_centred else 0.0)
+        step, from_centre = other[j] - point[j], point[j] - (centre[j] if is_centred else 0.0)
         along += step * step
         across += step * from_centre
         rest += from_centre * from_centre

@@ -13,7 +13,7 @@ from avatarsim.ik.constraints import add_touching, along_row, is_solved_for, kee
 from avatarsim.ik.couplings import share_budget
 from avatarsim.ik.friction import FRICTION, add_friction
 from avatarsim.ik.gaps import least_gap
-from avatarsim.ik.inertia import note_way, resist, resist_straight, shorten_own
+from avatarsim.ik.inertia import note_step, resist, resist_straight, shorten_own
 from avatarsim.ik.kinematics import place_avatar, take_step, tangent_error, try_step
 from avatarsim.ik.motion_budget import bound_step, keep_budget, spend
 from avatarsim.ik.objective import model, stretch
@@ -54,7 +54,7 @@ def forget_forces(avatars: Avatars, avatar: int, state_out: IkState) -> None:
     """Set the contact forces on the links of an avatar to zero."""
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         put_row(state_out.force, link, (0.0, 0.0, 0.0))
-        state_out.bend[link] = 0.0
+        state_out.curvature[link] = 0.0
 
 
 @kernel
@@ -72,7 +72,7 @@ def note_forces(rig: Rig, rows: ConstraintRows, state_out: IkState) -> None:
             force = scale(row(rows.normal, k), push if side == 0 else -push)
             arm = (rows.arm[k, 3 * side], rows.arm[k, 3 * side + 1], rows.arm[k, 3 * side + 2])
             put_row(s.force, link, add(row(s.force, link), force))
-            s.bend[link] += stretch(force, arm)
+            s.curvature[link] += stretch(force, arm)
 
 
 BACK_OFF, ATTEMPTS = 0.25, 5
@@ -267,7 +267,7 @@ def commit_step(
     for m in range(first, last):
         avatar = s.members[m]
         low, high = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
-        note_way(avatars, avatar, s.step, s.objective.target_motion, state_out)
+        note_step(avatars, avatar, s.step, s.objective.target_motion, state_out)
         for j in range(low, high):
             s.objective.target_motion[j] = 0.0
         moved = largest(s.step, low, high)

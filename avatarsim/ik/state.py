@@ -307,7 +307,7 @@ class IkState(NamedTuple):
                       `open_budgets` on, of this one
     force             (nl, 3) [m] force of the contacts of the last step on each link: multipliers times normals, a
                       gradient of the objective [m^2]
-    bend              (nl) [m^2] the inertia by which these forces bend the Lagrangian
+    curvature         (nl) [m^2] the inertia by which these forces bend the Lagrangian
     contacts          that were active in the last solved step
     touching          pairs that were in contact lately
     pairs             last data of each pair of pieces
@@ -322,7 +322,7 @@ class IkState(NamedTuple):
     target_before: Posture
     tracker_before: Posture
     force: Vectors
-    bend: Line
+    curvature: Line
     contacts: Contacts
     touching: Touching
     pairs: PairCache
@@ -337,7 +337,7 @@ class IkState(NamedTuple):
 class Objective(NamedTuple):
     """The quadratic model of one step: origin, frame the link origins (nl, 3) and rotations (nl, 3, 3) of the tracker's
     posture; aim (nl, 3) these origins drawn near; error (nd) the tangent error to the clipped target; target_motion (nd)
-    the part of the target's motion in this frame that is still to be followed; number, inertia (nl), first, pull, load (nl,
+    the part of the target's motion in this frame that is still to be followed; number, inertia (nl), first, attraction, load (nl,
     3), second, twist (nl, 3, 3) moments that `gather` sums up the trees; motion (nd, 6) of each degree; factor (nd, w) of
     the metric; newton (nd) the step to the least of the model."""
 
@@ -349,7 +349,7 @@ class Objective(NamedTuple):
     number: Line
     inertia: Line
     first: Vectors
-    pull: Vectors
+    attraction: Vectors
     load: Vectors
     second: Matrices
     twist: Matrices

@@ -71,12 +71,12 @@ def largest(values: Array, first: int, last: int) -> float:
 
 
 @kernel
-def drop_whole_turns(rig: Rig, avatar: int, way_out: Array) -> None:
-    """Make the turns of hinges in a way (nd) at most half a turn: an angle that jumps by 2 pi means the same posture."""
+def drop_whole_turns(rig: Rig, avatar: int, step_out: Array) -> None:
+    """Make the turns of hinges in a step (nd) at most half a turn: an angle that jumps by 2 pi means the same posture."""
     skel, avatars = rig.skel, rig.avatars
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         for j in range(skel.first_dof[link], skel.first_dof[link + 1] if skel.kind[link] == HINGES else 0):
-            way_out[j] -= 2.0 * pi * floor(way_out[j] / (2.0 * pi) + 0.5)
+            step_out[j] -= 2.0 * pi * floor(step_out[j] / (2.0 * pi) + 0.5)
 
 
 @kernel

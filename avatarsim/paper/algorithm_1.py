@@ -15,9 +15,9 @@ from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import SIMULATED
 from avatarsim.model.geometry import Geometry, Poses, place
 from avatarsim.model.skeleton import FREE, Posture, Skeleton, forward
-from avatarsim.paper.attraction import attract, couple_roots, settle_roots, share_of_way
+from avatarsim.paper.attraction import attract, couple_roots, settle_roots, share_of_distance
 from avatarsim.paper.ccd_ik import REACHED, free_link, joints_of, link_contacts
-from avatarsim.paper.push_apart import ASKED, DOUBTED, NOT_CHECKED, answer_for, find_overlaps, push_apart, shares
+from avatarsim.paper.push_apart import DOUBTED, NOT_CHECKED, QUERIED, answer_for, find_overlaps, push_apart, shares
 from avatarsim.paper.state import (
     BAD,
     BENT,
@@ -184,7 +184,7 @@ def follow_as_printed(
     couple_roots(
         skel.kind, tracker.root, m.tracked, posture_out.root, m.mass, dt, coupling, settings.couple, m.velocity, m.target.root
     )
-    attract(skel, m.target, share_of_way(attraction.rate, dt), posture_out)
+    attract(skel, m.target, share_of_distance(attraction.rate, dt), posture_out)
     moved, found, turn = True, 0, 0
     while True:
         if moved:
@@ -214,5 +214,5 @@ def follow_as_printed(
         copy_places(poses_out.position, skel.first, m.end)
         walk_back(geo, skel, settings.walk_back, posture_out, poses_out, memory_out)
     settle_roots(skel.kind, tracker.root, m.target.root, m.checked.root, posture_out.root, dt, m.velocity, m.tracked)
-    counts[QUERIES] += m.overlaps.tally[ASKED]
+    counts[QUERIES] += m.overlaps.tally[QUERIED]
     counts[BAD] += m.overlaps.tally[DOUBTED]

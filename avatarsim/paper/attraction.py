@@ -26,8 +26,8 @@ from avatarsim.tolerances import ROUNDING
 
 
 @kernel
-def share_of_way(rate: float, dt: float) -> float:
-    """Return the share 1 - exp(-rate dt) of the way to the tracker that a frame of ``dt`` seconds takes; ``rate`` >= 0 [1/s]."""
+def share_of_distance(rate: float, dt: float) -> float:
+    """Return the share 1 - exp(-rate dt) of the distance to the tracker covered in a frame of ``dt`` [s]; ``rate`` >= 0 [1/s]."""
     return -expm1(-rate * dt)
 
 

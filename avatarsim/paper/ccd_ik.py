@@ -169,7 +169,7 @@ def turn_ball(
     """Turn a ball as three hinges about its own z, y and x, within its limits; return effector and largest turn [rad]."""
     origin, frame = row(poses.position, skel.first + link), columns(poses.rotation, skel.first + link)
     before = columns(posture_out.turn, link)
-    rest_frame, held = frame, turned_back(frame, sub(effector, origin))
+    rest_frame, in_tip = frame, turned_back(frame, sub(effector, origin))
     turn = before
     for k in range(2, -1, -1):
         axis = frame[k]
@@ -182,7 +182,7 @@ def turn_ball(
         turn = inside_cone(skel.balls, link, turn)
     put_columns(posture_out.turn, link, turn)
     # into the axes of the joint at rest, and from there into the world
-    effector = add(origin, turned(rest_frame, turned_back(before, turned(turn, held))))
+    effector = add(origin, turned(rest_frame, turned_back(before, turned(turn, in_tip))))
     return effector, norm(step_between(before, turn))
 
 
@@ -243,7 +243,7 @@ def descend(
     within their limits exactly, balls inside their cones. Returns (status, sweeps, distance left [m]).
     """
     tip = skel.first + links[last]
-    held = turned_back(columns(poses_out.rotation, tip), sub(effector, row(poses_out.position, tip)))
+    in_tip = turned_back(columns(poses_out.rotation, tip), sub(effector, row(poses_out.position, tip)))
     distance = norm(sub(goal, effector))
     if not (distance < inf):
         return NO_GOAL, 0, distance
@@ -256,7 +256,7 @@ def descend(
         for k in range(first, last + 1):
             pose_link(skel, posture_out, links[k], poses_out, axes_out)
         # from the posture, so that no rounding gathers over the sweeps
-        effector = add(row(poses_out.position, tip), turned(columns(poses_out.rotation, tip), held))
+        effector = add(row(poses_out.position, tip), turned(columns(poses_out.rotation, tip), in_tip))
         distance = norm(sub(goal, effector))
         if distance <= settings.tolerance:
             return REACHED, done + 1, distance
@@ -278,7 +278,7 @@ def bend(
     its outer joints off the line to the goal and on the side to which they can bend; from there every sweep makes progress.
     """
     tip = skel.first + links[last]
-    held = turned_back(columns(poses_out.rotation, tip), sub(effector, row(poses_out.position, tip)))
+    in_tip = turned_back(columns(poses_out.rotation, tip), sub(effector, row(poses_out.position, tip)))
     for k in range(first + 1, last + 1):
         link = links[k]
         if skel.kind[link] == HINGES:
@@ -292,7 +292,7 @@ def bend(
     for again in range(2):
         for k in range(first, last + 1):
             pose_link(skel, posture_out, links[k], poses_out, axes_out)
-        effector = add(row(poses_out.position, tip), turned(columns(poses_out.rotation, tip), held))
+        effector = add(row(poses_out.position, tip), turned(columns(poses_out.rotation, tip), in_tip))
         if again == 0:
             sweep(skel, links, first, last - 1, effector, goal, posture_out, poses_out, axes_out)
     return effector
@@ -305,13 +305,13 @@ def reach_goal(
 ) -> tuple[int, int, float, bool]:
     """Run `descend`, and once more from a bent chain if it ends SINGULAR; the last value returned marks that."""
     tip = skel.first + links[last]
-    held = turned_back(columns(poses_out.rotation, tip), sub(effector, row(poses_out.position, tip)))
+    in_tip = turned_back(columns(poses_out.rotation, tip), sub(effector, row(poses_out.position, tip)))
     status, sweeps, left = descend(
         skel, links, first, last, effector, goal, settings, posture_out, poses_out, axes_out
     )
     if status != SINGULAR or settings.bend == 0.0:
         return status, sweeps, left, False
-    effector = add(row(poses_out.position, tip), turned(columns(poses_out.rotation, tip), held))
+    effector = add(row(poses_out.position, tip), turned(columns(poses_out.rotation, tip), in_tip))
     effector = bend(skel, links, first, last, settings.bend, effector, goal, posture_out, poses_out, axes_out)
     status, more, left = descend(skel, links, first, last, effector, goal, settings, posture_out, poses_out, axes_out)
     return status, sweeps + more, left, True

@@ -47,13 +47,13 @@ OBSTACLE: Final = 0
 """Family of the bodies that are no links: pairs among them are not tested by the lower loop."""
 
 # places in Overlaps.tally
-ASKED, DOUBTED = 0, 1
+QUERIED, DOUBTED = 0, 1
 
 
 class Overlaps(NamedTuple):
     """Memory of the search, for nb bodies of which the last are links, with D pieces of links among ns pieces.
 
-    ours    pairs that this loop tests: wanted, and one of the two is a link (or a simulated body that was pushed)
+    tested  pairs that this loop tests: wanted, and one of the two is a link (or a simulated body that was pushed)
     sweep   state of sweep and prune from call to call
     pairs   (cap, 2) pairs whose boxes meet, found (cap, 2) those that overlap
     hit     (nb) bodies that overlap another
@@ -61,7 +61,7 @@ class Overlaps(NamedTuple):
     tally   (2) signed-distance queries since it was set to zero, and those that did not converge
     """
 
-    ours: PairFilter
+    tested: PairFilter
     sweep: Annotated[SweepMemory, NOT_KEPT]
     pairs: Annotated[IndexGrid, NOT_KEPT]
     found: Annotated[IndexGrid, NOT_KEPT]
@@ -76,10 +76,10 @@ def make_overlaps(geo: Geometry, first_link: int) -> Overlaps:
     nb, ns = len(geo.first_shape) - 1, len(geo.body)
     family = geo.wanted.family.copy()
     family[:first_link] = OBSTACLE
-    ours = PairFilter(family, geo.wanted.first.copy(), geo.wanted.never.copy())
+    tested = PairFilter(family, geo.wanted.first.copy(), geo.wanted.never.copy())
     cap = (nb - first_link) * (nb + PAIRS_PER_LINK)
     return Overlaps(
-        ours, make_sweep_memory(nb, cap + CANDIDATES_MORE * nb),
+        tested, make_sweep_memory(nb, cap + CANDIDATES_MORE * nb),
         np.zeros((cap, 2), dtype=np.int64), np.zeros((cap, 2), dtype=np.int64),
         np.zeros(nb, dtype=np.bool_), np.zeros((ns - int(geo.first_shape[first_link]), ns, 3)), np.zeros(2, dtype=np.int64),
         make_scratch(),
@@ -89,7 +89,7 @@ def make_overlaps(geo: Geometry, first_link: int) -> Overlaps:
 @kernel
 def answer_for(body: int, moved: bool, overlaps_out: Overlaps) -> None:
     """Add the pairs of a simulated body to those tested, because it was moved, or take them out again."""
-    overlaps_out.ours.family[body] = OPEN if moved else OBSTACLE
+    overlaps_out.tested.family[body] = OPEN if moved else OBSTACLE
     forget(overlaps_out.sweep, body)
 
 
@@ -103,7 +103,7 @@ def pieces_overlap(geo: Geometry, poses: Poses, s: int, t: int, overlaps_out: Ov
     if remembered >= 0:
         seed = row(overlaps_out.seed[remembered], s)
     status, gap, n, _, _ = signed_distance_up_to(poses.vertices, geo.shapes, s, t, seed, 0.0, overlaps_out.scratch)
-    overlaps_out.tally[ASKED] += 1
+    overlaps_out.tally[QUERIED] += 1
     if status != CONVERGED:
         overlaps_out.tally[DOUBTED] += 1
     if remembered >= 0:
@@ -125,7 +125,7 @@ def bodies_overlap(geo: Geometry, poses: Poses, a: int, b: int, overlaps_out: Ov
 def find_overlaps(geo: Geometry, poses: Poses, overlaps_out: Overlaps) -> int:
     """Find every overlapping pair of those that this loop tests; return how many, or NOT_CHECKED."""
     overlaps_out.hit[:] = False
-    status, count = sweep_and_prune(poses.hulls, overlaps_out.ours, overlaps_out.sweep, overlaps_out.pairs)
+    status, count = sweep_and_prune(poses.hulls, overlaps_out.tested, overlaps_out.sweep, overlaps_out.pairs)
     if status != CONVERGED:
         return NOT_CHECKED
     found = 0

@@ -125,8 +125,8 @@ def walk_back(
         forward(geo, skel, posture_out, m.none, poses_out, m.axes)
         for body in range(skel.first):
             if level == EVERYTHING and m.given_way[body]:
-                start, way = row(m.start, body), sub(row(m.end, body), row(m.start, body))
-                put_row(poses_out.position, body, start if fraction == 0.0 else along(start, fraction, way))
+                start, motion = row(m.start, body), sub(row(m.end, body), row(m.start, body))
+                put_row(poses_out.position, body, start if fraction == 0.0 else along(start, fraction, motion))
                 place(geo, poses_out, body)
                 # at its start pose, which is the upper loop's, its own pairs are not checked
                 answer_for(body, fraction > 0.0, m.overlaps)

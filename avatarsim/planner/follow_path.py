@@ -236,9 +236,9 @@ def look_ahead(
 
 
 @kernel
-def arrival_time(rig: Rig, settings: PostureSettings, avatar: int, way: Array) -> float:
-    """Return the time [s] within which an avatar that sets out from rest arrives at the end of a way (nd)."""
-    return time_of(rig, settings, avatar, way) + SETTLING / settings.natural_frequency
+def arrival_time(rig: Rig, settings: PostureSettings, avatar: int, step: Array) -> float:
+    """Return the time [s] within which an avatar that sets out from rest arrives at the end of a step (nd)."""
+    return time_of(rig, settings, avatar, step) + SETTLING / settings.natural_frequency
 
 
 @kernel

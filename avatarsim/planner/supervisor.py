@@ -220,10 +220,10 @@ def search_all(
 @kernel
 def set_out(rig: Rig, settings: PostureSettings, avatar: int, posture: Posture, plan_out: Plan, scratch_out: IkScratch) -> None:
     """Go from the present place of the avatar to the begin of its path."""
-    s, way = plan_out.searches, scratch_out.objective.error
+    s, step = plan_out.searches, scratch_out.objective.error
     put_target(rig, avatar, 0, plan_out, scratch_out)
-    tangent_error(rig, avatar, posture, scratch_out.target, way)
-    s.place[avatar], s.late[avatar] = 0, -arrival_time(rig, settings, avatar, way)
+    tangent_error(rig, avatar, posture, scratch_out.target, step)
+    s.place[avatar], s.late[avatar] = 0, -arrival_time(rig, settings, avatar, step)
 
 
 @kernel

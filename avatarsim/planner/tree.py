@@ -175,8 +175,8 @@ def square_distance(rig: Rig, avatar: int, k: int, m: int, plan: Plan) -> float:
         kind, d = skel.kind[link], skel.first_dof[link]
         if kind == FREE:
             for i in range(3):
-                way = node[avatar, k, at + i] - node[avatar, m, at + i]
-                total += (high - low) * way * way
+                apart = node[avatar, k, at + i] - node[avatar, m, at + i]
+                total += (high - low) * apart * apart
             at, d = at + 3, d + 3
         if kind == FREE or kind == BALL:
             trace = 0.0
@@ -186,8 +186,8 @@ def square_distance(rig: Rig, avatar: int, k: int, m: int, plan: Plan) -> float:
             at += 9
         elif has_angles(skel, link):
             for j in range(d, skel.first_dof[link + 1]):
-                way = node[avatar, k, at] - node[avatar, m, at]
-                total += avatars.turn_weight[j] * way * way
+                apart = node[avatar, k, at] - node[avatar, m, at]
+                total += avatars.turn_weight[j] * apart * apart
                 at += 1
     return total
 

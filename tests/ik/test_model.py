@@ -200,7 +200,7 @@ def test_the_model_lies_above_the_lagrangian_to_second_order(seed: int, by: floa
     """With contact forces on links the metric bounds the curvature of f minus their work from above, in random directions."""
     found, rng = apart(seed, by), np.random.default_rng(seed)
     forces, arms = 5.0 * rng.normal(size=nothing(found).shape), 0.2 * rng.normal(size=nothing(found).shape)
-    found.state.force[:], found.state.bend[:] = forces, np.linalg.norm(forces, axis=1) * np.linalg.norm(arms, axis=1)
+    found.state.force[:], found.state.curvature[:] = forces, np.linalg.norm(forces, axis=1) * np.linalg.norm(arms, axis=1)
     for avatar in range(found.count):
         model(found.rig, avatar, found.state, found.world.poses, found.working.objective)
     metric, h, none = metric_of(found), 1e-4, np.zeros(len(found.avatars.joint_of))

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from avatarsim.model.joint_limits import cone_excess
 from avatarsim.model.skeleton import BALL, FREE, Posture
 from avatarsim.model.world import Target
-from avatarsim.paper.attraction import attract, couple_roots, settle_roots, share_of_way
+from avatarsim.paper.attraction import attract, couple_roots, settle_roots, share_of_distance
 from avatarsim.paper.method import PaperLoop
 from avatarsim.paper.state import COUNT_NAMES
 from avatarsim.pose_queries import overlapping_pairs
@@ -47,12 +47,12 @@ def angle_between(a, b):
 @given(st.floats(1e-6, 0.1), st.floats(1e-6, 0.1), st.floats(0.0, 200.0))
 @hypothesis_settings(deadline=None)
 def test_two_frames_leave_what_one_long_frame_leaves(dt, other, rate):
-    left = (1.0 - share_of_way(rate, dt)) * (1.0 - share_of_way(rate, other))
-    assert left == pytest.approx(1.0 - share_of_way(rate, dt + other), rel=1e-12, abs=1e-15)
+    left = (1.0 - share_of_distance(rate, dt)) * (1.0 - share_of_distance(rate, other))
+    assert left == pytest.approx(1.0 - share_of_distance(rate, dt + other), rel=1e-12, abs=1e-15)
 
 
 def test_the_share_of_a_tiny_frame_is_not_lost_in_rounding():
-    assert share_of_way(RATE, 1e-12) == pytest.approx(3e-11, rel=1e-10)
+    assert share_of_distance(RATE, 1e-12) == pytest.approx(3e-11, rel=1e-10)
 
 
 @pytest.mark.parametrize("frames", [1, 7, 60])
@@ -61,7 +61,7 @@ def test_a_released_posture_returns_exponentially(frames):
     turn = (0.1, -0.5, 0.4)
     target = target_of(world, 1.5, turn, (1.0, 2.0, 3.0))
     for _ in range(frames):
-        attract(world.skeleton, target, share_of_way(RATE, seconds / frames), world.posture)
+        attract(world.skeleton, target, share_of_distance(RATE, seconds / frames), world.posture)
     left = np.exp(-RATE * seconds)
     assert target.angle[-1] - world.posture.angle[-1] == pytest.approx(1.5 * left, rel=1e-12)
     for link in (0, 1):
@@ -74,7 +74,7 @@ def test_a_steady_tracker_speed_leaves_the_stated_offset():
     world, dt, speed = world_of((ARM,)), 1.0 / 60.0, 0.4
     for frame in range(200):
         target = target_of(world, speed * dt * frame)
-        attract(world.skeleton, target, share_of_way(RATE, dt), world.posture)
+        attract(world.skeleton, target, share_of_distance(RATE, dt), world.posture)
     lag = target.angle[-1] - world.posture.angle[-1]
     assert lag == pytest.approx(speed * dt / np.expm1(RATE * dt), rel=1e-9)
 

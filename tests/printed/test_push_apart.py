@@ -9,8 +9,8 @@ from avatarsim.collision.status import CONVERGED, NOT_FINITE, OUT_OF_ITERATIONS,
 from avatarsim.model.dynamics import DRIVEN, FIXED, SIMULATED
 from avatarsim.model.geometry import place
 from avatarsim.paper.push_apart import (
-    ASKED,
     NOT_CHECKED,
+    QUERIED,
     STAY,
     answer_for,
     find_overlaps,
@@ -113,7 +113,7 @@ def test_it_tells_a_billionth_of_a_millimetre_either_way(gap, count):
     put(world, 3, np.array([6.0, 0.0, 0.0]) + (0.3 + gap) * np.array([0.6, 0.8, 0.0]))
     found.tally[:] = 0
     assert find_overlaps(world.geometry, world.poses, found) == count
-    assert found.tally[ASKED] >= 1
+    assert found.tally[QUERIED] >= 1
 
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
