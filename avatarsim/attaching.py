@@ -30,8 +30,8 @@ def attach(frames: Frames, body: str, link: str) -> None:
         raise InvalidInput(f"body to attach to {link}", body, f"one that {scene.names[drive.carrier[b]]} does not hold already")
     turn = poses.rotation[k]
     drive.carrier[b], drive.tied[b] = k, drive.tied[k]
-    drive.held_place[b] = turn.T @ (poses.position[b] - poses.position[k])
-    drive.held_turn[b] = turn.T @ poses.rotation[b]
+    drive.attached_place[b] = turn.T @ (poses.position[b] - poses.position[k])
+    drive.attached_turn[b] = turn.T @ poses.rotation[b]
     link_together(drive, frames.world.skeleton)
     frames.upper.memory.asleep[b] = 0
 

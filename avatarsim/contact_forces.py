@@ -65,7 +65,7 @@ def find_all_rows(
         b = members[m]
         if dynamics.role[b] == SIMULATED:
             to_world(dynamics.inertia, poses.rotation, b, memory.inertia)
-            to_world(dynamics.inverse_inertia, poses.rotation, b, memory.hold.inverse_inertia)
+            to_world(dynamics.inverse_inertia, poses.rotation, b, memory.masses.inverse_inertia)
         else:
             aim(dynamics.drive, poses, velocities, memory, b, dt, dt, h)
     fall_free(dynamics, poses, velocities, memory, members, h)
@@ -79,7 +79,7 @@ def find_all_rows(
     for k in range(contacts.used[0]):
         contacts.target[k] = 0.0 if contacts.gap[k] <= own.within[0] else -contacts.gap[k] / h
         put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
-    weigh_from(contacts, memory.hold, 0.0, 0)
+    weigh_from(contacts, memory.masses, 0.0, 0)
     weigh_links(dynamics, poses, memory, 0)
     return True
 
@@ -89,7 +89,7 @@ def solve_exactly(dynamics: Dynamics, poses: Poses, memory: Memory, members: Ind
     """Solve for the impulses of all rows, to rounding."""
     contacts = memory.contacts
     count = contacts.used[0]
-    lay_out(contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end)
+    lay_out(contacts, memory.masses, 0, count, memory.linear_end, memory.angular_end)
     for _ in range(TRIES):
         worst, _ = passes(contacts, 0, count, EXACT, sweeps_for(count), True, memory.before, memory.direction)
         take_motion(contacts, 0, count, memory.linear_end, memory.angular_end)

@@ -346,8 +346,8 @@ def carry_attached(old: World, new: World, both: Shared) -> None:
         if carrier >= 0:
             new.drive.carrier[now], new.drive.tied[now] = carrier, new.drive.tied[carrier]
             # places are of centres of mass, which another body of the name may have elsewhere
-            turn, shift = old.drive.held_turn[before], new.centres[now] - old.centres[before]
-            new.drive.held_place[now], new.drive.held_turn[now] = old.drive.held_place[before] + turn @ shift, turn
+            turn, shift = old.drive.attached_turn[before], new.centres[now] - old.centres[before]
+            new.drive.attached_place[now], new.drive.attached_turn[now] = old.drive.attached_place[before] + turn @ shift, turn
     link_together(new.drive, new.skeleton)
 
 

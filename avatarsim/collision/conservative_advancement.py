@@ -92,11 +92,11 @@ def reach_of(geometry: Geometry, paths: Paths, reach: Array, b: int, h: float) -
     """Return a bound of the motion [m] of any point of body b in h seconds; ``reach`` (nb): largest radius about the centre."""
     if paths.kind[b] == STILL:
         return 0.0
-    way = h * (norm(row(paths.v, b)) + 0.5 * h * norm(row(paths.linear, b)))
+    move = h * (norm(row(paths.v, b)) + 0.5 * h * norm(row(paths.linear, b)))
     speed = norm(row(paths.w, b)) + (h * norm(row(paths.angular, b)) if paths.kind[b] == HELD else 0.0)
     # a free body may spin faster later, but no point goes farther than across the body
     turn = 2.0 if paths.kind[b] != HELD and paths.round[b] == 0 and speed > 0.0 else min(2.0, speed * h)
-    return float(way + turn * reach[b])
+    return float(move + turn * reach[b])
 
 
 @kernel

@@ -39,7 +39,7 @@ PROVED = PROOF
 """Relative to the shapes' size: largest difference of the bounds above and below. Larger: a wrong answer by as much."""
 
 SLACK = ROUNDING
-"""Relative: a bend or a condition this small is rounding. That for the largest ball holds with equality at the centre."""
+"""Relative: a radius or a condition this small is rounding. That for the largest ball holds with equality at the centre."""
 
 
 @kernel
@@ -265,18 +265,18 @@ def not_negative(x: Vec3, y: Vec3, z: Vec3, shift: float, rounding: float) -> bo
 def least_cosine(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, depth: float) -> float:
     """Return the cosine of a cone about stationary normal m in which h is nowhere below ``depth`` = h(m); above 1: unknown.
 
-    Stationary means that the point of A - B at m is depth m, so that h(d) >= depth + (bend - depth) (1 - cos t).
+    Stationary means that the point of A - B at m is depth m, so that h(d) >= depth + (radius - depth) (1 - cos t).
     """
     from_one = 1.0
     for _ in range(HALVINGS):
-        if least_bend(vertices, shapes, a, b, m, 1.0 - from_one) * (1.0 - SLACK) >= depth:
+        if least_curvature(vertices, shapes, a, b, m, 1.0 - from_one) * (1.0 - SLACK) >= depth:
             return 1.0 - from_one
         from_one *= 0.5
     return 2.0
 
 
 @kernel
-def bends_out(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, w: Vec3, cos: float, depth: float) -> bool:
+def is_depth_kept(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, w: Vec3, cos: float, depth: float) -> bool:
     """Return True if h is nowhere below ``depth`` in a cone about m, which need not be stationary.
 
     Args:
@@ -286,15 +286,15 @@ def bends_out(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, w: Vec3, 
     if not (cos > 0.0):
         return False
     height, sin = dot(w, m), sqrt(1.0 - cos * cos)
-    across, bend = norm(along(w, -height, m)), least_bend(vertices, shapes, a, b, m, cos) * (1.0 - SLACK)
-    # At an angle t, w.d >= height cos t - across sin t; with the bend that is a sine, lowest at the rim or before it.
-    sag = height - bend
+    across, radius = norm(along(w, -height, m)), least_curvature(vertices, shapes, a, b, m, cos) * (1.0 - SLACK)
+    # At an angle t, w.d >= height cos t - across sin t; with the radius that is a sine, lowest at the rim or before it.
+    sag = height - radius
     lowest = sag * cos - across * sin if sag * sin + across * cos > 0.0 else -sqrt(sag * sag + across * across)
-    return bend + lowest >= depth
+    return radius + lowest >= depth
 
 
 @kernel
-def least_bend(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, cos: float) -> float:
+def least_curvature(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, cos: float) -> float:
     """Return a length K [m], as large as is known, with h(d) >= w.d + K (1 - cos t) for all d at angles t up to arccos ``cos``.
 
     w is the point of A - B farthest along m. Let x be the point of an ellipsoid E with normal m, r = |E m|, and k its radius of
@@ -314,7 +314,7 @@ def least_bend(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, cos: flo
 
 @kernel
 def least_share(vertices: Rows, shapes: Shapes, s: int, m: Vec3, e: Vec3, cos: float) -> float:
-    """Return the least r (1 + cos t) / (|E d| + x.d) over d in a cone about m, for `least_bend`; e = E m. 1 at m; 0 for points.
+    """Return the least r (1 + cos t) / (|E d| + x.d) in a cone about m, for `least_curvature`, e = E m. 1 at m, 0 for points.
 
     With s the length of x across m and L the longest semi-axis, x.d <= r cos t + s sin t and
     |E d|^2 <= r^2 cos^2 t + 2 r s sin t cos t + L^2 sin^2 t. The rest of it falls with t, so the rim decides.

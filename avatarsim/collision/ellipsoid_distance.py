@@ -10,7 +10,7 @@ direction outside that cone. When every facet is high enough or excluded, the lo
 from math import inf, nan, sqrt
 from typing import NamedTuple
 
-from avatarsim.collision.ellipsoid import bends_out, least_cosine, polish, proves_itself, rolling_radius
+from avatarsim.collision.ellipsoid import is_depth_kept, least_cosine, polish, proves_itself, rolling_radius
 from avatarsim.collision.epa import SMOOTH, VISIBLE, cone_to, deepest_points, epa_to, find_horizon, points_agree
 from avatarsim.collision.gjk import (
     CLOSE_ENOUGH,
@@ -143,7 +143,7 @@ def smooth_depth(
             break
         if best.depth > 0.0 and best.depth < inf:
             whole_w = along(w, rolled, m)
-            if bends_out(vertices, shapes, a, b, m, whole_w, lowest / best.depth, best.depth + rolled - EXPLAINED * size):
+            if is_depth_kept(vertices, shapes, a, b, m, whole_w, lowest / best.depth, best.depth + rolled - EXPLAINED * size):
                 scratch.settled[f] = 1
                 continue
         if depth - lowest <= try_at or depth < 0.0:

@@ -98,7 +98,7 @@ def approach(
     they did no more than that.
     """
     a, b = geometry.body[sa], geometry.body[sb]
-    t, safe, held, n = begin, begin, inf, (0.0, 0.0, 0.0)
+    t, safe, last_gap, n = begin, begin, inf, (0.0, 0.0, 0.0)
     for spent in range(rounds):
         move_along(geometry, start, linear, angular, paths, series, a, t, trial)
         move_along(geometry, start, linear, angular, paths, series, b, t, trial)
@@ -112,9 +112,9 @@ def approach(
         if lowered and gap >= RESTORED * stand_off:
             lowered, target = False, stand_off
         if spent == 0 or gap >= max(target, 0.0) - rounding:
-            safe, held = t, gap
+            safe, last_gap = t, gap
         if spent > 0 and gap <= target + FINE * abs(target):
-            return IMPACT, safe, held, spent + 1
+            return IMPACT, safe, last_gap, spent + 1
         count_a, count_b, horizon = follow_both(geometry, angular, paths, reach, sa, sb, n, left, trial, a_rows, b_rows)
         step = safe_time(
             geometry, angular, paths, reach, sa, sb, n, target, left, horizon, trial, a_rows, b_rows, count_a, count_b
@@ -122,12 +122,12 @@ def approach(
         if t + step >= h:
             return CLEAR, h, gap, spent + 1
         if tumbles_too_far(angular, paths, a, t + step) or tumbles_too_far(angular, paths, b, t + step):
-            return SPENT, safe, held, spent + 1
+            return SPENT, safe, last_gap, spent + 1
         step = 0.5 * step if lowered else step
         if spent > 0 and not (t + step > t):
-            return IMPACT if gap <= 2.0 * stand_off else SPENT, safe, held, spent + 1
+            return IMPACT if gap <= 2.0 * stand_off else SPENT, safe, last_gap, spent + 1
         t += step
-    return SPENT, safe, held, rounds
+    return SPENT, safe, last_gap, rounds
 
 
 @kernel
@@ -167,22 +167,22 @@ def first_contact_of_pieces(
     target = stand_off
     if gap < stand_off:
         target = 0.5 * gap if gap > 4.0 * rounding else -4.0 * rounding
-    outcome, t, held, rounds = approach(
+    outcome, t, last_gap, rounds = approach(
         geometry, start, linear, angular, paths, series, reach, sa, sb, 0.0, h, target, target < stand_off, stand_off, rounding,
         budget.rounds, trial, a_rows, b_rows, scratch,
     )
     if outcome != IMPACT:
-        return Found(outcome, t, inf, held, rounds + 1, sa, sb)
+        return Found(outcome, t, inf, last_gap, rounds + 1, sa, sb)
     close = max(CONTACT * stand_off, 2.0 * rounding)
-    if not (held > close):
-        return Found(outcome, t, t, held, rounds + 1, sa, sb)
+    if not (last_gap > close):
+        return Found(outcome, t, t, last_gap, rounds + 1, sa, sb)
     outcome, contact, _, more = approach(
         geometry, start, linear, angular, paths, series, reach, sa, sb, t, h, close, False, close, rounding, budget.rounds, trial,
         a_rows, b_rows, scratch,
     )
     if outcome == CLEAR:
         contact = inf
-    return Found(IMPACT, t, contact, held, rounds + more + 1, sa, sb)
+    return Found(IMPACT, t, contact, last_gap, rounds + more + 1, sa, sb)
 
 
 @kernel
@@ -290,8 +290,8 @@ class TwoBodies:
         allowed = budget or Budget()
         if not (0.0 < as_number(allowed.stand_off) < np.inf and allowed.rounds >= 1):
             raise InvalidInput("budget of a search for contact", tuple(allowed), "a stand-off above 0 and at least 1 round")
-        pull = [vector("acceleration of a", tuple(acceleration_a)), vector("acceleration of b", tuple(acceleration_b))]
-        self._paths.linear[:] = np.where(self._paths.kind[:, None] == STILL, 0.0, pull)
+        accelerations = [vector("acceleration of a", tuple(acceleration_a)), vector("acceleration of b", tuple(acceleration_b))]
+        self._paths.linear[:] = np.where(self._paths.kind[:, None] == STILL, 0.0, accelerations)
         self._paths.time[:] = -1.0
         return Found(*first_contact_referred(
             self.geometry, self._start, self._linear, self._angular, self._paths, self._series, self._reach, float(seconds),

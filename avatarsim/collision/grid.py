@@ -52,7 +52,7 @@ class SweepMemory(NamedTuple):
     lead         (nb, 4) by how much the fat box is wider than the box was, along each axis [m]: on the high side if positive,
                  else on the low one; then how much it may be, as a part of the box
     level, key   (nb) of the cell of each body; NOWHERE: in none
-    behind, at   (nb) the next body of its chain, -1 if none; the one before it, or -1 - place in the table
+    next_of, at  (nb) the next body of its chain, -1 if none; the one before it, or -1 - place in the table
     born         (nb) sweep in which it got its fat box
     is_present   (nb) 1 if it is there
     listed       (nb) a list: the bodies that left their fat boxes in this sweep
@@ -73,7 +73,7 @@ class SweepMemory(NamedTuple):
     lead: Grid
     level: IndexLine
     key: IndexLine
-    behind: IndexLine
+    next_of: IndexLine
     at: IndexLine
     born: IndexLine
     is_present: IndexLine
@@ -98,10 +98,10 @@ def make_sweep_memory(count: int, room: int, present: bool = True) -> SweepMemor
     fat = np.tile([np.inf] * 3 + [-np.inf] * 3, (count, 1))
     lead = np.zeros((count, 4))
     lead[:, ROOM] = 0.5
-    key, behind, at, born, listed = (np.zeros(count, np.int64) for _ in range(5))
+    key, next_of, at, born, listed = (np.zeros(count, np.int64) for _ in range(5))
     found, sweep, is_stale, calm, highest = (np.zeros(1, np.int64) for _ in range(5))
     return SweepMemory(
-        fat, lead, np.full(count, NOWHERE, np.int64), key, behind, at, born, np.full(count, int(present), np.int64), listed,
+        fat, lead, np.full(count, NOWHERE, np.int64), key, next_of, at, born, np.full(count, int(present), np.int64), listed,
         np.zeros(count, np.bool_), np.full(table + 1, -1), np.zeros((LOOKED, 2), np.int64), np.zeros(room, np.int64),
         np.zeros(room, np.int64), found, sweep, is_stale, calm, np.full(1, LEVELS + 1, np.int64), highest,
         np.zeros(LEVELS + 1, np.int64),
@@ -168,9 +168,9 @@ def unlink(memory: SweepMemory, b: int) -> None:
     level = memory.level[b]
     if level == NOWHERE:
         return
-    after, before = memory.behind[b], memory.at[b]
+    after, before = memory.next_of[b], memory.at[b]
     if before >= 0:
-        memory.behind[before] = after
+        memory.next_of[before] = after
     else:
         head[-1 - before] = after
     if after >= 0:
@@ -193,7 +193,7 @@ def link(memory: SweepMemory, b: int) -> None:
         return
     unlink(memory, b)
     first = head[place]
-    memory.level[b], memory.key[b], memory.behind[b], memory.at[b] = level, key, first, -1 - place
+    memory.level[b], memory.key[b], memory.next_of[b], memory.at[b] = level, key, first, -1 - place
     if first >= 0:
         memory.at[first] = b
     head[place] = b
@@ -309,5 +309,5 @@ def look(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, b: int, many: in
         while k >= 0:
             if memory.key[k] == key or key == ALL:
                 found = consider(boxes, wanted, memory, b, k, found)
-            k = memory.behind[k]
+            k = memory.next_of[k]
     return found

@@ -133,9 +133,9 @@ def safe_step(rows: Array, count: int, own: Vec3, plane: Vec3, slide: float, tar
     for i in range(count):
         gap, v, a = rows[i, HEIGHT] - target, rows[i, VELOCITY], rows[i, ACCELERATION]
         r, speed = rows[i, ARM], rows[i, SPEED]
-        pull = slide + (own[0] * own[0] + own[1]) * r
-        speed += pull * h
-        jerk = own[2] * r + 3.0 * plane[0] * pull + 3.0 * (plane[0] * plane[0] + plane[1]) * speed
+        acceleration = slide + (own[0] * own[0] + own[1]) * r
+        speed += acceleration * h
+        jerk = own[2] * r + 3.0 * plane[0] * acceleration + 3.0 * (plane[0] * plane[0] + plane[1]) * speed
         jerk += plane[2] * (rows[i, DISTANCE] + speed * h)
         if gap > 0.0 and gap + step * (min(v, 0.0) + step * (min(a, 0.0) * 0.5 - jerk * step / 6.0)) > 0.0:
             continue

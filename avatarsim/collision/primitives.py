@@ -206,7 +206,7 @@ PARALLEL = SAME_DIRECTION
 """Sine of the angle of two edges below which the boxes are left to EPA: aligned boxes have facets that are equally low and
 witness points that are many, and which of them is taken should not depend on the formula. Smaller: rounding takes part in it."""
 
-BESIDE = NOTHING
+OUTSIDE = NOTHING
 """Relative to an edge: how far outside of a face or an edge rounding may put a witness point."""
 
 CLEARLY_DEEP = NOTHING
@@ -290,7 +290,7 @@ def on_face(p: Vec3, low: Vec3, u: Edges, i: int) -> bool:
     # The part of d along the edge that leaves the face is taken off: it may be at an angle.
     d = along(d, -dot(d, n) / dot(u[i], n), u[i])
     x, y = dot(cross(d, t), n) / nn, dot(cross(s, d), n) / nn
-    return -BESIDE <= x <= 1.0 + BESIDE and -BESIDE <= y <= 1.0 + BESIDE
+    return -OUTSIDE <= x <= 1.0 + OUTSIDE and -OUTSIDE <= y <= 1.0 + OUTSIDE
 
 
 @kernel

@@ -36,7 +36,7 @@ class Linkage(NamedTuple):
     ahead             where links are at the end of the substep
     matrix, factor    (nd, most of an avatar) mass matrices of the avatars, columns from the first degree of each on; their
                       factors without the degrees that are at a limit
-    held              (nd) flag: at its limit
+    at_limit          (nd) flag: at its limit
     free_momentum, momentum   (nd) of each degree without contact, and with it
     pushed, gained    (nd), (nd, 8) momentum and rate of each degree by one impulse; its rates per unit force and unit torque
     force, torque (nl, 3) working memory: force and torque at each link, or its velocities
@@ -56,7 +56,7 @@ class Linkage(NamedTuple):
     ahead: Poses
     matrix: Grid
     factor: Grid
-    held: IndexLine
+    at_limit: IndexLine
     free_momentum: Line
     momentum: Line
     pushed: Line
@@ -104,7 +104,7 @@ class DriveState(NamedTuple):
     moves             (nb) flag: scenery that moves by itself
     blocked, blocked_turn   (nb) flags: the spring force, its torque was at its largest in the last substep
     carrier           (nb) body of the link that the body is attached to, -1 without
-    held_place, held_turn   (nb, 3) [m], (nb, 3, 3) its pose in the frame of that link
+    attached_place, attached_turn   (nb, 3) [m], (nb, 3, 3) its pose in the frame of that link
     may_couple        (nb) flag: the upper loop can move the body
     coupled           (nb) flag: it does so in this frame
     loaded            (nb) flag: loose bodies pressed on it in the last frame
@@ -129,8 +129,8 @@ class DriveState(NamedTuple):
     blocked: Annotated[IndexLine, FLAG]
     blocked_turn: Annotated[IndexLine, FLAG]
     carrier: Annotated[IndexLine, BODY_OR_NONE]
-    held_place: Vectors
-    held_turn: Matrices
+    attached_place: Vectors
+    attached_turn: Matrices
     may_couple: Annotated[IndexLine, NOT_KEPT]
     coupled: Annotated[IndexLine, FLAG]
     loaded: Annotated[IndexLine, FLAG]
@@ -182,7 +182,7 @@ def make_drive(scene: Scene, inverse_mass: Array) -> DriveState:
 
     return DriveState(
         linkage=linkage, tied=tied, linked=flags(), moves=moves, blocked=flags(), blocked_turn=flags(),
-        carrier=np.full(bodies, -1, np.int64), held_place=vectors(), held_turn=np.tile(np.eye(3), (bodies, 1, 1)),
+        carrier=np.full(bodies, -1, np.int64), attached_place=vectors(), attached_turn=np.tile(np.eye(3), (bodies, 1, 1)),
         may_couple=flags(), coupled=flags(),
         loaded=flags(), unloaded=np.zeros(bodies), position=vectors(), turn=np.tile(np.eye(3), (bodies, 1, 1)), paused=flags(),
         spread=flags(),
@@ -269,7 +269,7 @@ def holder_of(drive: DriveState, b: int) -> int:
 
 
 @kernel
-def pull_on(dynamics: Dynamics, b: int) -> Vec3:
+def gravity_on(dynamics: Dynamics, b: int) -> Vec3:
     """Return gravity [m/s^2] on body b: zero for driven bodies and bodies attached to them, whose weight their drives bear."""
     if dynamics.role[holder_of(dynamics.drive, b)] == DRIVEN:
         return (0.0, 0.0, 0.0)

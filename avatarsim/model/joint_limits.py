@@ -38,17 +38,17 @@ def edge(balls: BallLimits, link: int, k: int) -> tuple[Vec3, Vec3, Vec3]:
 def is_in_reach(balls: BallLimits, link: int, limb: Vec3) -> bool:
     """Return True if a unit direction is in one of the triangles of the seeing point and an edge."""
     first, last = balls.first_corner[link], balls.first_corner[link + 1]
-    beside = dot(row(balls.side, first), limb)
+    side = dot(row(balls.side, first), limb)
     for k in range(first, last):
         following = k + 1 if k + 1 < last else first
         # the side where one triangle ends is where the next one begins
-        next_beside = dot(row(balls.side, following), limb)
+        next_side = dot(row(balls.side, following), limb)
         # a direction so little outside an edge counts as on it: projected ones are, by rounding
-        if beside >= -ROUNDING and next_beside <= ROUNDING:
+        if side >= -ROUNDING and next_side <= ROUNDING:
             normal = cross(row(balls.corner, k), row(balls.corner, following))
             if dot(scale(normal, 1.0 / norm(normal)), limb) >= -ROUNDING:
                 return True
-        beside = next_beside
+        side = next_side
     return False
 
 

@@ -42,15 +42,15 @@ def arm_of(drive: DriveState, poses: Poses, b: int) -> Vec3:
 def add_attached(dynamics: Dynamics, poses: Poses, memory: Memory, b: int, h: float) -> None:
     """Add mass, inertia, and the momentum that attached body b would have after h seconds of falling, to its link."""
     drive, linkage = dynamics.drive, dynamics.drive.linkage
-    link, r, mass = drive.carrier[b] - linkage.skeleton.first, arm_of(drive, poses, b), 1.0 / memory.hold.inverse_mass[b]
+    link, r, mass = drive.carrier[b] - linkage.skeleton.first, arm_of(drive, poses, b), 1.0 / memory.masses.inverse_mass[b]
     squared = r[0] * r[0] + r[1] * r[1] + r[2] * r[2]
     for i in range(3):
         for j in range(3):
             linkage.inertia[link, i, j] += memory.inertia[b, i, j] + mass * ((squared if i == j else 0.0) - r[i] * r[j])
     linkage.mass[link] += mass
     put_row(linkage.moment, link, along(row(linkage.moment, link), mass, r))
-    pull = (dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])
-    p = scale(along(row(memory.linear_end, b), h, pull), mass)
+    gravity = (dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])
+    p = scale(along(row(memory.linear_end, b), h, gravity), mass)
     turning = add(turned(columns(memory.inertia, b), row(memory.angular_end, b)), cross(r, p))
     put_row(linkage.force, link, add(row(linkage.force, link), p))
     put_row(linkage.torque, link, add(row(linkage.torque, link), turning))
@@ -68,8 +68,8 @@ def carry_attached(drive: DriveState, poses: Poses, memory: Memory, b: int) -> N
 def put_on_link(drive: DriveState, b: int, ahead: Poses) -> None:
     """Set the pose of attached body b in ``ahead`` by that of its link there."""
     frame = columns(ahead.rotation, drive.carrier[b])
-    put_row(ahead.position, b, add(row(ahead.position, drive.carrier[b]), turned(frame, row(drive.held_place, b))))
-    put_columns(ahead.rotation, b, product(frame, columns(drive.held_turn, b)))
+    put_row(ahead.position, b, add(row(ahead.position, drive.carrier[b]), turned(frame, row(drive.attached_place, b))))
+    put_columns(ahead.rotation, b, product(frame, columns(drive.attached_turn, b)))
 
 
 @kernel

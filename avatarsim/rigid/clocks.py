@@ -7,7 +7,7 @@ from avatarsim.collision.path import STILL, move_along
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses, place
-from avatarsim.rigid.linkages import unbend
+from avatarsim.rigid.linkages import scale_last_step
 from avatarsim.rigid.state import Events, Memory, record
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import add, along, put_row, row, sub
@@ -71,7 +71,7 @@ def go_back(
     islands.due[b] = now
     linkage = dynamics.drive.linkage
     if dynamics.drive.linked[b] == 1:
-        unbend(linkage, b - linkage.skeleton.first, share)
+        scale_last_step(linkage, b - linkage.skeleton.first, share)
 
 
 @kernel
@@ -86,7 +86,7 @@ def witness(
     memory: Memory,
 ) -> None:
     """Record an event of bodies a and b at ``now``, with all other bodies sampled on their paths at that time."""
-    k, islands, paths, sampled = events.kept[0], memory.islands, memory.paths, memory.substeps.low
+    k, islands, paths, sampled = events.used[0], memory.islands, memory.paths, memory.substeps.low
     record(events, kind, time, a, b, poses.position, poses.rotation, velocities.linear, velocities.angular)
     if k >= events.time.shape[0]:
         return

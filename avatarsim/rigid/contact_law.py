@@ -91,8 +91,8 @@ def limited_friction_impulse(friction: float, j: float, v_t: Vec3, sticking: flo
 @kernel
 def kinetic_friction(friction: float, j: float, slip_x: float, slip_y: float, slip: float) -> tuple[float, float]:
     """Return friction [N s] along both tangents by the normal impulse j [N s], against a slip of that velocity and size [m/s]."""
-    pull = friction * j / slip
-    return -pull * slip_x, -pull * slip_y
+    ratio = friction * j / slip
+    return -ratio * slip_x, -ratio * slip_y
 
 
 @kernel

@@ -102,10 +102,10 @@ class Contacts(NamedTuple):
     body (cap, 2) A and B; key (cap) names the point from one segment to the next; driven (cap) one of the above;
     face (cap) 1 or 2 if the normal belongs to a face of A or of B and turns with it, else 0;
     frame (cap, 3, 3) rows: normal out of B into A, two tangents; arm_a, arm_b (cap, 3) from the centres of mass [m];
-    gap (cap) [m]; restitution, friction (cap); bend (cap, 3) bias acceleration: relative one of the points at zero force [m/s^2];
+    gap (cap) [m]; restitution, friction (cap); bias_acceleration (cap, 3) of the points at zero force, relative [m/s^2];
     inverse_effective_mass (cap, 2) along the normal, and the largest across it [1/kg]; effective_mass (cap, 2) [kg];
     cross_response (cap, 2) velocity along the tangents per impulse along the normal [1/kg];
-    lever_a, lever_b (cap, 3, 3) angular rows of the contact Jacobian: arm x axis for each axis of the frame; turn_a, turn_b
+    jacobian_a, jacobian_b (cap, 3, 3) angular rows of the contact Jacobian: arm x axis for each axis of the frame; turn_a, turn_b
     (cap, 3, 3) angular rows of M^-1 J^T: angular velocity [rad/s] per impulse [N s] along each axis;
     target (cap) least normal velocity required (bias velocity) [m/s], -inf where a point takes no part;
     slide (cap, 2) velocity along the tangents at which friction is zero [m/s];
@@ -135,10 +135,10 @@ class Contacts(NamedTuple):
     gap: Line
     restitution: Line
     friction: Line
-    bend: Vectors
+    bias_acceleration: Vectors
     inverse_effective_mass: Grid
-    lever_a: Matrices
-    lever_b: Matrices
+    jacobian_a: Matrices
+    jacobian_b: Matrices
     turn_a: Matrices
     turn_b: Matrices
     target: Line
@@ -168,8 +168,8 @@ class Contacts(NamedTuple):
 def pace_of(gravity: Array) -> float:
     """Return the factor on the slow speeds of this engine under a gravity (3) [m/s^2], at most 1: with it a body that leaves a
     floor rises as high as on Earth. 1 without gravity, and under a stronger one."""
-    pull = float(np.linalg.norm(gravity))
-    return 1.0 if pull == 0.0 else min(1.0, sqrt(pull / EARTH))
+    strength = float(np.linalg.norm(gravity))
+    return 1.0 if strength == 0.0 else min(1.0, sqrt(strength / EARTH))
 
 
 def make_contacts(cap: int = ROOM, pace: float = 1.0, bodies: int = ROOM, links: int = 0, most: int = 0) -> Contacts:
@@ -178,9 +178,9 @@ def make_contacts(cap: int = ROOM, pace: float = 1.0, bodies: int = ROOM, links:
         used=np.zeros(1, np.int64), body=np.zeros((cap, 2), np.int64), key=np.zeros(cap, np.int64),
         driven=np.zeros(cap, np.int64), face=np.zeros(cap, np.int64),
         frame=np.zeros((cap, 3, 3)), arm_a=np.zeros((cap, 3)), arm_b=np.zeros((cap, 3)),
-        gap=np.zeros(cap), restitution=np.zeros(cap), friction=np.zeros(cap), bend=np.zeros((cap, 3)),
-        inverse_effective_mass=np.zeros((cap, 2)),
-        lever_a=np.zeros((cap, 3, 3)), lever_b=np.zeros((cap, 3, 3)), turn_a=np.zeros((cap, 3, 3)), turn_b=np.zeros((cap, 3, 3)),
+        gap=np.zeros(cap), restitution=np.zeros(cap), friction=np.zeros(cap), bias_acceleration=np.zeros((cap, 3)),
+        inverse_effective_mass=np.zeros((cap, 2)), jacobian_a=np.zeros((cap, 3, 3)), jacobian_b=np.zeros((cap, 3, 3)),
+        turn_a=np.zeros((cap, 3, 3)), turn_b=np.zeros((cap, 3, 3)),
         target=np.zeros(cap), slide=np.zeros((cap, 2)), drift=np.zeros((cap, 2)),
         impulse=np.zeros((cap, 3)), standing=np.zeros(1, np.int64),
         visits=np.zeros(1, np.int64), edge_a=np.zeros((cap, 3)), edge_b=np.zeros((cap, 3)),
@@ -230,7 +230,7 @@ def add_contact(contacts: Contacts, a: int, b: int, driven: int, n: Vec3, arm_a:
     put_row(contacts.arm_a, k, arm_a)
     put_row(contacts.arm_b, k, arm_b)
     contacts.gap[k] = gap
-    put_row(contacts.bend, k, (0.0, 0.0, 0.0))
+    put_row(contacts.bias_acceleration, k, (0.0, 0.0, 0.0))
     put_row(contacts.sway_a, k, (0.0, 0.0, 0.0))
     put_row(contacts.sway_b, k, (0.0, 0.0, 0.0))
     put_row(contacts.edge_a, k, (0.0, 0.0, 0.0))
@@ -262,12 +262,12 @@ def weigh_from(contacts: Contacts, masses: Masses, t: float, first: int) -> None
         inertia_a, inertia_b = columns(masses.inverse_inertia, a), columns(masses.inverse_inertia, b)
         for i in range(3):
             along_axis = axis(contacts, k, i)
-            lever_a = cross(along(row(contacts.arm_a, k), t, row(contacts.sway_a, k)), along_axis)
-            lever_b = cross(along(row(contacts.arm_b, k), t, row(contacts.sway_b, k)), along_axis)
-            put_row(contacts.lever_a[k], i, lever_a)
-            put_row(contacts.lever_b[k], i, lever_b)
-            put_row(contacts.turn_a[k], i, turned(inertia_a, lever_a))
-            put_row(contacts.turn_b[k], i, turned(inertia_b, lever_b))
+            jacobian_a = cross(along(row(contacts.arm_a, k), t, row(contacts.sway_a, k)), along_axis)
+            jacobian_b = cross(along(row(contacts.arm_b, k), t, row(contacts.sway_b, k)), along_axis)
+            put_row(contacts.jacobian_a[k], i, jacobian_a)
+            put_row(contacts.jacobian_b[k], i, jacobian_b)
+            put_row(contacts.turn_a[k], i, turned(inertia_a, jacobian_a))
+            put_row(contacts.turn_b[k], i, turned(inertia_b, jacobian_b))
         straight = masses.inverse_mass[a] + masses.inverse_mass[b]
         contacts.inverse_effective_mass[k, 0] = straight + turning(contacts, k, 0, 0)
         one, other = straight + turning(contacts, k, 1, 1), straight + turning(contacts, k, 2, 2)
@@ -287,8 +287,8 @@ def largest_across(one: float, other: float, both: float) -> float:
 @kernel
 def turning(contacts: Contacts, k: int, i: int, j: int) -> float:
     """Return the turning part of the velocity along axis i of contact k per impulse along j [1/kg]: for normals A + B (eq. 9)."""
-    on_a = dot(row(contacts.lever_a[k], i), row(contacts.turn_a[k], j))
-    return float(on_a + dot(row(contacts.lever_b[k], i), row(contacts.turn_b[k], j)))
+    on_a = dot(row(contacts.jacobian_a[k], i), row(contacts.turn_a[k], j))
+    return float(on_a + dot(row(contacts.jacobian_b[k], i), row(contacts.turn_b[k], j)))
 
 
 @kernel
@@ -316,7 +316,7 @@ def velocity_at(contacts: Contacts, k: int, linear: Array, angular: Array) -> Ve
 
 @kernel
 def impulse_of(contacts: Contacts, k: int) -> Vec3:
-    """Return the impulse held by contact k, on A, world axes [N s]."""
+    """Return the impulse of contact k, on A, world axes [N s]."""
     p = row(contacts.impulse, k)
     j = (0.0, 0.0, 0.0)
     for i in range(3):
@@ -328,7 +328,7 @@ def impulse_of(contacts: Contacts, k: int) -> Vec3:
 def speed_along(contacts: Contacts, k: int, i: int, linear: Array, angular: Array) -> float:
     """Return the part of `velocity_at` along axis i of contact k [m/s], from the levers that `weigh` left."""
     a, b = contacts.body[k, 0], contacts.body[k, 1]
-    f, p, q = contacts.frame, contacts.lever_a, contacts.lever_b
+    f, p, q = contacts.frame, contacts.jacobian_a, contacts.jacobian_b
     on_a = f[k, i, 0] * linear[a, 0] + f[k, i, 1] * linear[a, 1] + f[k, i, 2] * linear[a, 2]
     on_a += p[k, i, 0] * angular[a, 0] + p[k, i, 1] * angular[a, 1] + p[k, i, 2] * angular[a, 2]
     on_b = f[k, i, 0] * linear[b, 0] + f[k, i, 1] * linear[b, 1] + f[k, i, 2] * linear[b, 2]

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from avatarsim.collision.conservative_advancement import TOUCH
 from avatarsim.collision.manifold import MANIFOLD_POINTS
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import DRIVEN, Dynamics, Velocities, pull_on
+from avatarsim.model.dynamics import DRIVEN, Dynamics, Velocities, gravity_on
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.clocks import arrive, depart
 from avatarsim.rigid.contact_generation import BROKEN, find_contacts
@@ -15,12 +15,12 @@ from avatarsim.rigid.deferred_impacts import transfer_impulses
 from avatarsim.rigid.driven import aim_all, bound_forces, is_kinematic, note_lag, note_load
 from avatarsim.rigid.energy_audit import energy_of, kinetic_energy, take_back
 from avatarsim.rigid.impacts import until_tail_ends
-from avatarsim.rigid.linkages import bend
+from avatarsim.rigid.linkages import step_joints
 from avatarsim.rigid.margin_rows import work_of_surfaces
 from avatarsim.rigid.near_pieces import list_pieces_of
 from avatarsim.rigid.response import CAREFUL_VISITS, impacts
 from avatarsim.rigid.resting import SWEEPS
-from avatarsim.rigid.settling import CALM, calm_frames, frames_in, holds_from_rest, note_calm, rest_is_due, stand_still
+from avatarsim.rigid.settling import CALM, calm_frames, frames_in, holds_from_rest, note_calm, put_to_rest, rest_is_due
 from avatarsim.rigid.sleeping import all_keep, regroup
 from avatarsim.rigid.state import (
     AGAIN,
@@ -119,13 +119,13 @@ def try_rest(
 ) -> bool:
     """Let the members stand still for the rest of the frame if their contacts hold them, or ``untried`` in any case."""
     put_ways(velocities, memory, members)
-    held = holds_from_rest(geometry, dynamics, poses, velocities, memory, members, h) or untried
+    supported = holds_from_rest(geometry, dynamics, poses, velocities, memory, members, h) or untried
     # if in vain, the next try starts from these forces
     remember_forces(memory.contacts, h, members, memory.last)
-    if not held:
+    if not supported:
         put_back(velocities, memory, members)
         return False
-    stand_still(memory, members)
+    put_to_rest(memory, members)
     depart(poses, velocities, memory, members, now)
     return True
 
@@ -174,7 +174,7 @@ def rises_of(dynamics: Dynamics, memory: Memory, members: Index, h: float) -> tu
     for m in range(members.shape[0]):
         b = members[m]
         if memory.moving[b] == 1 and sub_.pushed[b] == 1:
-            risen = -h * dot(pull_on(dynamics, b), row(sub_.way, b)) / memory.hold.inverse_mass[b]
+            risen = -h * dot(gravity_on(dynamics, b), row(sub_.way, b)) / memory.masses.inverse_mass[b]
             rises, falls = rises + max(0.0, risen), falls + min(0.0, risen)
     return rises, falls
 
@@ -193,8 +193,8 @@ def pay_for_rise(
     for m in range(members.shape[0]):
         b = members[m]
         if memory.moving[b] == 1 and memory.substeps.pushed[b] == 1:
-            kinetic += kinetic_energy(memory.hold, memory.inertia, b, velocities.linear, velocities.angular)
-            gain += kinetic_energy(memory.hold, memory.inertia, b, memory.linear_end, memory.angular_end)
+            kinetic += kinetic_energy(memory.masses, memory.inertia, b, velocities.linear, velocities.angular)
+            gain += kinetic_energy(memory.masses, memory.inertia, b, memory.linear_end, memory.angular_end)
     rises, falls = rises_of(dynamics, memory, members, h)
     gain += rises + falls - kinetic
     if not (gain > 0.0 and rises > 0.0) or not (slow or rises + falls > kinetic):
@@ -232,7 +232,7 @@ def none_joined(memory: Memory, members: Index) -> bool:
 
 
 @kernel
-def strike_driven(
+def resolve_driven_impacts(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, events: Events, members: Index,
     pairs: Index, now: float, switches: Switches,
 ) -> bool:
@@ -305,7 +305,7 @@ def crowd_step(
     pairs = islands.pairs[islands.pair_first[i] : islands.pair_first[i + 1]]
     (driven, still), now = has_driven(dynamics, members), islands.due[members[0]]
     left = dt - now
-    if still and now == 0.0 and not strike_driven(
+    if still and now == 0.0 and not resolve_driven_impacts(
         geometry, dynamics, poses, velocities, memory, events, members, pairs, now, switches
     ):
         return NOT_FINITE
@@ -333,7 +333,7 @@ def crowd_step(
     leave_shares(dynamics, memory, members)
     pay_for_rise(geometry, dynamics, poses, velocities, memory, members, h, slow)
     until = go_ways(geometry, poses, velocities, memory, members, now, h)
-    bend(dynamics, members, until / h)
+    step_joints(dynamics, members, until / h)
     take_step(velocities, memory, members)
     note_load(dynamics, memory)
     transfer_impulses(dynamics, velocities, memory, False)
@@ -384,20 +384,20 @@ def take_gain(
     gain, kinetic = kinetic + potential - energy_before, 0.0
     for m in range(members.shape[0]):
         b = members[m]
-        memory.held[b] = memory.moving[b] * memory.substeps.pushed[b]
-        if memory.held[b] == 1:
-            kinetic += kinetic_energy(memory.hold, memory.inertia, b, velocities.linear, velocities.angular)
-    if take_back(gain, kinetic, members, memory.held, velocities.linear, velocities.angular):
+        memory.supported[b] = memory.moving[b] * memory.substeps.pushed[b]
+        if memory.supported[b] == 1:
+            kinetic += kinetic_energy(memory.masses, memory.inertia, b, velocities.linear, velocities.angular)
+    if take_back(gain, kinetic, members, memory.supported, velocities.linear, velocities.angular):
         memory.counts[AUDITED] += 1
 
 
 @kernel
 def wait_for_room(poses: Poses, velocities: Velocities, memory: Memory, members: Index, now: float, dt: float) -> None:
     """Let an island whose contacts have no room wait for the next frame."""
-    stand_still(memory, members)
+    put_to_rest(memory, members)
     depart(poses, velocities, memory, members, now)
     for m in range(members.shape[0]):
-        memory.islands.due[members[m]], memory.held[members[m]] = dt, 0
+        memory.islands.due[members[m]], memory.supported[members[m]] = dt, 0
 
 
 @kernel

@@ -49,8 +49,8 @@ def defer_impacts(velocities: Velocities, memory: Memory, members: Index, left: 
         b = members[m]
         put_row(memory.linear_end, b, row(v, b))
         put_row(memory.angular_end, b, row(w, b))
-    weigh(contacts, memory.hold)
-    sweeps(contacts, memory.hold, 0, count, v, w, ENOUGH, SWEEPS, False, memory.before, memory.direction)
+    weigh(contacts, memory.masses)
+    sweeps(contacts, memory.masses, 0, count, v, w, ENOUGH, SWEEPS, False, memory.before, memory.direction)
     for m in range(members.shape[0]):
         b = members[m]
         put_row(memory.owed_linear, b, sub(row(memory.linear_end, b), row(v, b)))
@@ -72,7 +72,7 @@ def restore_deferred(velocities: Velocities, memory: Memory, members: Index) -> 
 
 
 @kernel
-def share_taken(dynamics: Dynamics, velocities: Velocities, memory: Memory, first: int, last: int) -> float:
+def share_received(dynamics: Dynamics, velocities: Velocities, memory: Memory, first: int, last: int) -> float:
     """Return the share in 0 .. 1 of the contact forces of one pair that its driven body can take over the segment.
 
     Without the forces the simulated body would approach it by v = p / M, less what the driven one recedes. A mass m that is met
@@ -109,13 +109,13 @@ def transfer_impulses(dynamics: Dynamics, velocities: Velocities, memory: Memory
         while last < count and same_pair(contacts, first, last):
             last += 1
         if contacts.driven[first] != NOT_DRIVEN:
-            share = share_taken(dynamics, velocities, memory, first, last)
+            share = share_received(dynamics, velocities, memory, first, last)
             for k in range(first, last):
                 j = impulse_of(contacts, k)
                 side = 0 if contacts.driven[k] == DRIVEN_A else 1
                 b, sign = contacts.body[k, side], 1.0 if side == 0 else -1.0
                 put_row(memory.received, b, along(row(memory.received, b), sign * share, j))
                 if owes and share < 1.0:
-                    push(contacts, memory.hold, k, scale(j, share - 1.0), memory.owed_linear, memory.owed_angular)
+                    push(contacts, memory.masses, k, scale(j, share - 1.0), memory.owed_linear, memory.owed_angular)
                     memory.owing[0] = 1
         first = last

@@ -28,10 +28,10 @@ Index = NDArray[np.int64]
 def lag_of(drive: DriveState, poses: Poses, b: int, now: float, dt: float) -> tuple[Vec3, Vec3]:
     """Return the lag [m], [rad] of body b behind its tracker, ``now`` seconds into a frame of dt seconds."""
     left = dt - now
-    way = along(scale(row(drive.linear, b), left), 0.5 * left * now, row(drive.ramp, b))
+    step = along(scale(row(drive.linear, b), left), 0.5 * left * now, row(drive.ramp, b))
     turn = along(scale(row(drive.angular, b), left), 0.5 * left * now, row(drive.ramp_turn, b))
     tracked = spun(columns(drive.turn, b), turn, -1.0)
-    return sub(row(poses.position, b), sub(row(drive.position, b), way)), turn_of(tracked, columns(poses.rotation, b))
+    return sub(row(poses.position, b), sub(row(drive.position, b), step)), turn_of(tracked, columns(poses.rotation, b))
 
 
 @kernel
@@ -48,20 +48,20 @@ def aim(drive: DriveState, poses: Poses, velocities: Velocities, memory: Memory,
     u, turn = lag_of(drive, poses, b, now, dt)
     # a link without pieces has no size
     size = max(memory.span[b], SMALL)
-    mass, v = pulled(drive, b, u, row(drive.lag, b), drive.blocked[b] == 1, h)
+    mass, v = spring_step(drive, b, u, row(drive.lag, b), drive.blocked[b] == 1, h)
     put_row(velocities.linear, b, add(v, row(drive.user, b)))
     turning = scale(turn, size), scale(row(drive.lag_turn, b), size)
-    mass_turning, w = pulled(drive, b, turning[0], turning[1], drive.blocked_turn[b] == 1, h)
+    mass_turning, w = spring_step(drive, b, turning[0], turning[1], drive.blocked_turn[b] == 1, h)
     put_row(velocities.angular, b, add(limited(scale(w, 1.0 / size), drive.fastest_turn[b]), row(drive.user_turn, b)))
-    memory.hold.inverse_mass[b] = 1.0 / mass
+    memory.masses.inverse_mass[b] = 1.0 / mass
     for i in range(3):
         for j in range(3):
             memory.inertia[b, i, j] = size * size * mass_turning if i == j else 0.0
-            memory.hold.inverse_inertia[b, i, j] = 1.0 / (size * size * mass_turning) if i == j else 0.0
+            memory.masses.inverse_inertia[b, i, j] = 1.0 / (size * size * mass_turning) if i == j else 0.0
 
 
 @kernel
-def pulled(drive: DriveState, b: int, u: Vec3, lag: Vec3, is_blocked: bool, h: float) -> tuple[float, Vec3]:
+def spring_step(drive: DriveState, b: int, u: Vec3, lag: Vec3, is_blocked: bool, h: float) -> tuple[float, Vec3]:
     """Return (effective mass [kg], velocity of a lag u [m] after h seconds without contact [m/s])."""
     m, k, r, fastest = drive.mass[b], drive.stiffness[b], drive.damping[b], min(drive.fastest[b], braked(drive, b, norm(u)))
     if is_blocked:
@@ -107,8 +107,8 @@ def bound_forces(dynamics: Dynamics, poses: Poses, memory: Memory, members: Inde
 def presses(dynamics: Dynamics, other: int) -> bool:
     """Return whether body ``other`` puts a driven body that it touches under load: loose ones, and moving ones that give way."""
     drive = dynamics.drive
-    gives_way = drive.moves[other] == 1 and (drive.coupled[other] == 1 or drive.stiffness[other] == 0.0)
-    return bool(dynamics.role[other] == SIMULATED or gives_way)
+    yields = drive.moves[other] == 1 and (drive.coupled[other] == 1 or drive.stiffness[other] == 0.0)
+    return bool(dynamics.role[other] == SIMULATED or yields)
 
 
 @kernel
@@ -122,7 +122,7 @@ def aim_all(
 
 
 @kernel
-def strikes_with(dynamics: Dynamics, memory: Memory, members: Index) -> None:
+def approach_velocities(dynamics: Dynamics, memory: Memory, members: Index) -> None:
     """Compute ``spare_linear``, ``spare_angular``: the approach velocities for restitution.
 
     The spring of a coupled body does not count: a pressing hand would otherwise bounce in every substep.
@@ -138,7 +138,7 @@ def strikes_with(dynamics: Dynamics, memory: Memory, members: Index) -> None:
 
 
 @kernel
-def beside_chord(w: Vec3, r: Vec3, h: float) -> Vec3:
+def arc_correction(w: Vec3, r: Vec3, h: float) -> Vec3:
     """Return the mean velocity over h seconds of a vector r that turns at w, less its first velocity w x r [m/s] (Rodrigues)."""
     angle = h * norm(w)
     if not (angle * angle * norm(r) > h * NOTHING):
@@ -159,7 +159,7 @@ def follow_arcs(dynamics: Dynamics, memory: Memory, h: float) -> None:
         if dynamics.role[contacts.body[k, 0]] != DRIVEN and dynamics.role[contacts.body[k, 1]] != DRIVEN:
             continue
         w_a, w_b = row(spin, contacts.body[k, 0]), row(spin, contacts.body[k, 1])
-        apart = sub(beside_chord(w_a, row(contacts.arm_a, k), h), beside_chord(w_b, row(contacts.arm_b, k), h))
+        apart = sub(arc_correction(w_a, row(contacts.arm_a, k), h), arc_correction(w_b, row(contacts.arm_b, k), h))
         for i in range(2):
             contacts.slide[k, i] -= dot(axis(contacts, k, 1 + i), apart)
 

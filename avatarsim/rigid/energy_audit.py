@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collision.path import STILL
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import DRIVEN, Dynamics, Velocities, pull_on
+from avatarsim.model.dynamics import DRIVEN, Dynamics, Velocities, gravity_on
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.clocks import arrive
 from avatarsim.rigid.contacts import SHARP, Contacts, Masses, push_along, to_world
@@ -35,41 +35,41 @@ def kinetic_energy(masses: Masses, inertia: Array, b: int, linear: Array, angula
 
 
 @kernel
-def potential_energy(masses: Masses, b: int, pull: Vec3, position: Array) -> float:
+def potential_energy(masses: Masses, b: int, gravity: Vec3, position: Array) -> float:
     """Return -m g . x [J] of body b."""
-    return float(-dot(pull, row(position, b)) / masses.inverse_mass[b])
+    return float(-dot(gravity, row(position, b)) / masses.inverse_mass[b])
 
 
 @kernel
-def held_energy(
-    masses: Masses, inertia: Array, members: Index, held: Index, dynamics: Dynamics, position: Array, linear: Array,
+def supported_energy(
+    masses: Masses, inertia: Array, members: Index, supported: Index, dynamics: Dynamics, position: Array, linear: Array,
     angular: Array,
 ) -> tuple[float, float]:
-    """Return (kinetic, potential) energy [J] of all members with ``held`` 1: those that contact forces act on."""
+    """Return (kinetic, potential) energy [J] of all members with ``supported`` 1: those that contact forces act on."""
     kinetic, potential = 0.0, 0.0
     for m in range(members.shape[0]):
         b = members[m]
-        if held[b] == 1:
+        if supported[b] == 1:
             kinetic += kinetic_energy(masses, inertia, b, linear, angular)
-            potential += potential_energy(masses, b, pull_on(dynamics, b), position)
+            potential += potential_energy(masses, b, gravity_on(dynamics, b), position)
     return kinetic, potential
 
 
 @kernel
-def take_back(gain: float, kinetic: float, members: Index, held: Index, linear: Array, angular: Array) -> bool:
-    """Scale the velocities of held members so that a ``gain`` [J] above rounding is gone; True if that was needed.
+def take_back(gain: float, kinetic: float, members: Index, supported: Index, linear: Array, angular: Array) -> bool:
+    """Scale the velocities of supported members so that a ``gain`` [J] above rounding is gone; True if that was needed.
 
     A common factor keeps separating contacts separating and friction in its disc.
     """
     if not (gain > min(NO_GAIN, NO_PART * kinetic)) or not (kinetic > 0.0):
         return False
-    kept = sqrt(max(0.0, 1.0 - gain / kinetic))
+    factor = sqrt(max(0.0, 1.0 - gain / kinetic))
     for m in range(members.shape[0]):
         b = members[m]
-        if held[b] == 1:
+        if supported[b] == 1:
             for i in range(3):
-                linear[b, i] *= kept
-                angular[b, i] *= kept
+                linear[b, i] *= factor
+                angular[b, i] *= factor
     return True
 
 
@@ -77,27 +77,27 @@ def take_back(gain: float, kinetic: float, members: Index, held: Index, linear: 
 def energy_of(
     dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, of_all: bool
 ) -> tuple[float, float]:
-    """Return (kinetic, potential) energy [J] of members held by contact forces, or of all that move, which then count as held."""
+    """Return (kinetic, potential) energy [J] of members with contact forces, or of all that move, then supported too."""
     for m in range(members.shape[0]):
         b = members[m]
         if of_all:
-            memory.held[b] = memory.moving[b]
+            memory.supported[b] = memory.moving[b]
         # coupled driven bodies have theirs from `driven.aim`
-        if memory.held[b] == 1 and dynamics.role[b] != DRIVEN:
+        if memory.supported[b] == 1 and dynamics.role[b] != DRIVEN:
             to_world(dynamics.inertia, poses.rotation, b, memory.inertia)
-    return held_energy(
-        memory.hold, memory.inertia, members, memory.held, dynamics, poses.position, velocities.linear, velocities.angular
+    return supported_energy(
+        memory.masses, memory.inertia, members, memory.supported, dynamics, poses.position, velocities.linear, velocities.angular
     )
 
 
 @kernel
 def work_on(memory: Memory, members: Index, linear: Array, angular: Array) -> float:
-    """Return the work [J] of the impulses behind ``linear_end``, ``angular_end`` on held members that move so [m/s], [rad/s]."""
+    """Return the work [J] of the impulses of ``linear_end``, ``angular_end`` on supported members that move so [m/s], [rad/s]."""
     total, dv, dw = 0.0, memory.linear_end, memory.angular_end
     for m in range(members.shape[0]):
         b = members[m]
-        if memory.held[b] == 1:
-            total += dot(row(dv, b), row(linear, b)) / memory.hold.inverse_mass[b]
+        if memory.supported[b] == 1:
+            total += dot(row(dv, b), row(linear, b)) / memory.masses.inverse_mass[b]
             total += dot(turned(columns(memory.inertia, b), row(dw, b)), row(angular, b))
     return total
 
@@ -117,11 +117,11 @@ def put_forces(dynamics: Dynamics, memory: Memory, members: Index, t: float) -> 
     dv, dw = memory.linear_end, memory.angular_end
     for m in range(members.shape[0]):
         b = members[m]
-        put_row(dv, b, scale(pull_on(dynamics, b), t))
+        put_row(dv, b, scale(gravity_on(dynamics, b), t))
         put_row(dw, b, (0.0, 0.0, 0.0))
     for k in range(memory.contacts.used[0]):
         for i in range(3):
-            push_along(memory.contacts, memory.hold, k, i, memory.contacts.impulse[k, i], dv, dw)
+            push_along(memory.contacts, memory.masses, k, i, memory.contacts.impulse[k, i], dv, dw)
     for m in range(members.shape[0]):
         b = members[m]
         if memory.paths.kind[b] == STILL:
@@ -144,7 +144,7 @@ def take_along_forces(gain: float, velocities: Velocities, memory: Memory, membe
     less = max(-1.0, min(less, 1.0))
     for m in range(members.shape[0]):
         b = members[m]
-        if memory.held[b] == 1:
+        if memory.supported[b] == 1:
             put_row(v, b, along(row(v, b), -less, row(dv, b)))
             put_row(w, b, along(row(w, b), -less, row(dw, b)))
     return less * (power - 0.5 * less * size)
@@ -154,7 +154,7 @@ def take_along_forces(gain: float, velocities: Velocities, memory: Memory, membe
 def audit(
     dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, energy_before: float, t: float
 ) -> bool:
-    """Take the energy that held members gained in a segment of t seconds: constant forces on turning lever arms are not exact.
+    """Take the energy that supported members gained in a segment of t seconds: constant forces on turning arms are not exact.
 
     Passivity control (Hannaford and Ryu 2002): along the forces first, and the rest, or all where a body rolls, by a common
     factor. False if they gained more than their whole kinetic energy.
@@ -166,7 +166,7 @@ def audit(
         if not any_rolls(memory.contacts):
             put_forces(dynamics, memory, members, t)
             part = take_along_forces(gain, velocities, memory, members)
-        take_back(gain - part, kinetic - part, members, memory.held, velocities.linear, velocities.angular)
+        take_back(gain - part, kinetic - part, members, memory.supported, velocities.linear, velocities.angular)
     return gain <= max(kinetic, NO_GAIN)
 
 
@@ -178,7 +178,7 @@ def revert_segment(geometry: Geometry, poses: Poses, velocities: Velocities, mem
     free flight is left as it is: flight is exact, and was checked against the paths of the others.
     """
     for m in range(members.shape[0]):
-        if memory.moving[members[m]] > memory.held[members[m]]:
+        if memory.moving[members[m]] > memory.supported[members[m]]:
             return
     for m in range(members.shape[0]):
         b = members[m]

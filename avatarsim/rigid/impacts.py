@@ -45,12 +45,12 @@ def time_to_close(gap: float, v: float, a: float) -> float:
 
 
 @kernel
-def time_to_contact(contacts: Contacts, head: int, linear: Array, angular: Array, pull: Array, twist: Array) -> float:
+def time_to_contact(contacts: Contacts, head: int, linear: Array, angular: Array, acceleration: Array, twist: Array) -> float:
     """Return seconds from now until the pair of contact ``head`` would touch, moving as it does.
 
     Args:
-        contacts: ``bend`` filled by `curvature`.
-        linear, angular: (nb, 3) velocities before the impact. pull, twist: (nb, 3) accelerations.
+        contacts: ``bias_acceleration`` filled by `curvature`.
+        linear, angular: (nb, 3) velocities before the impact. acceleration, twist: (nb, 3) accelerations.
 
     Returns:
         Least time over the pair's approaching points, to third order in the stand-off: below 1e-11 s from 2 m/s on. 0 if they
@@ -65,8 +65,8 @@ def time_to_contact(contacts: Contacts, head: int, linear: Array, angular: Array
         v = normal_velocity(n, velocity_at(contacts, k, linear, angular))
         if v < 0.0:
             turning = sub(cross(row(twist, a), row(contacts.arm_a, k)), cross(row(twist, b), row(contacts.arm_b, k)))
-            free = sub(row(pull, a), row(pull, b))
-            closing = dot(n, add(add(free, turning), row(contacts.bend, k)))
+            free = sub(row(acceleration, a), row(acceleration, b))
+            closing = dot(n, add(add(free, turning), row(contacts.bias_acceleration, k)))
             soonest = min(soonest, time_to_close(max(0.0, contacts.gap[k]), v, closing))
     return soonest if soonest < inf else 0.0
 
@@ -364,9 +364,9 @@ NONE = -1.0
 
 
 @kernel
-def tail_lasts(restitution: float, rebound: float, pull: float) -> float:
-    """Return the sum of all flights [s] that begin with ``rebound`` [m/s] at the acceleration ``pull`` [m/s^2] to the surface."""
-    return 2.0 * rebound / (pull * (1.0 - restitution))
+def tail_lasts(restitution: float, rebound: float, towards: float) -> float:
+    """Return the sum of all flights [s] that begin with ``rebound`` [m/s] at the acceleration ``towards`` the surface [m/s^2]."""
+    return 2.0 * rebound / (towards * (1.0 - restitution))
 
 
 @kernel
@@ -383,9 +383,9 @@ def begin_tail(contacts: Contacts, dynamics: Dynamics, memory: Memory, k: int, b
         return
     ball, sign = (a, 1.0) if memory.moving[a] == 1 else (b, -1.0)
     n, g = axis(contacts, k, 0), dynamics.gravity
-    pull = -sign * dot(n, (g[0], g[1], g[2]))
-    if memory.ball[ball] == 1 and contacts.used[0] == 1 and pull > 0.0:
-        memory.tail_end[ball] = now + tail_lasts(e, rebound, pull)
+    towards = -sign * dot(n, (g[0], g[1], g[2]))
+    if memory.ball[ball] == 1 and contacts.used[0] == 1 and towards > 0.0:
+        memory.tail_end[ball] = now + tail_lasts(e, rebound, towards)
         put_row(memory.tail_speed, ball, scale(n, sign * rebound))
 
 

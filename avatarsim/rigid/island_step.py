@@ -59,7 +59,7 @@ def weigh_bodies(dynamics: Dynamics, poses: Poses, memory: Memory, members: Inde
         b = members[m]
         if memory.moving[b] == 1 and dynamics.role[b] == SIMULATED:
             to_world(dynamics.inertia, poses.rotation, b, memory.inertia)
-            to_world(dynamics.inverse_inertia, poses.rotation, b, memory.hold.inverse_inertia)
+            to_world(dynamics.inverse_inertia, poses.rotation, b, memory.masses.inverse_inertia)
 
 
 @kernel
@@ -92,7 +92,7 @@ def step(
         worst = project_positions(geometry, dynamics, poses, velocities, pairs, memory)
         after, lifted = energy_of(dynamics, poses, velocities, memory, members, True)
         take_back(
-            after + lifted - kinetic - potential, after, members, memory.held, velocities.linear, velocities.angular
+            after + lifted - kinetic - potential, after, members, memory.supported, velocities.linear, velocities.angular
         )
         for m in range(size):
             memory.corrected[members[m]] = now

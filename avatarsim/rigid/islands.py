@@ -164,7 +164,7 @@ def due_of(islands: Islands, i: int) -> float:
 
 
 @kernel
-def behind(islands: Islands, dt: float, now: float, start: int) -> int:
+def next_island(islands: Islands, dt: float, now: float, start: int) -> int:
     """Return the island with the earliest local time before ``dt``, searched from number ``start`` on; -1 if none is left.
 
     No local time is before ``now`` [s], so the first island found at ``now`` is taken.

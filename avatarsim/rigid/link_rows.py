@@ -135,9 +135,9 @@ def respond_to_wrenches(linkage: Linkage, poses: Poses, responses: Responses, li
 @kernel
 def rates_per_wrench(linkage: Linkage, low: int, high: int) -> None:
     """Run `rates_for` for all of a wrench at once, in place in ``gained``; degrees at a limit stand still."""
-    factor, above, held, x = linkage.factor, linkage.above, linkage.held, linkage.gained
+    factor, above, at_limit, x = linkage.factor, linkage.above, linkage.at_limit, linkage.gained
     for i in range(high - 1, low - 1, -1):
-        size = factor[i, i - low] if held[i] == 0 else 0.0
+        size = factor[i, i - low] if at_limit[i] == 0 else 0.0
         inverse = 1.0 / size if size > 0.0 else 0.0
         p, q = scale(three(x, i, 0), inverse), scale(three(x, i, LANES), inverse)
         put_three(x, i, 0, p)
@@ -150,11 +150,11 @@ def rates_per_wrench(linkage: Linkage, low: int, high: int) -> None:
             put_three(x, j, LANES, along(three(x, j, LANES), -factor[i, j - low], q))
             j = above[j]
     for i in range(low, high):
-        if held[i] == 1:
+        if at_limit[i] == 1:
             continue
         p, q, j = three(x, i, 0), three(x, i, LANES), above[i]
         while j >= 0:
-            if held[j] == 0:
+            if at_limit[j] == 0:
                 p = along(p, -factor[i, j - low], three(x, j, 0))
                 q = along(q, -factor[i, j - low], three(x, j, LANES))
             j = above[j]
@@ -194,7 +194,7 @@ def response_of(contacts: Contacts, memory: Memory, k: int, side: int, i: int) -
     block = contacts.linked[k, side]
     if block == NOT_LINKED:
         turn = row(contacts.turn_a[k], i) if side == 0 else row(contacts.turn_b[k], i)
-        return scale(axis(contacts, k, i), sign * memory.hold.inverse_mass[b]), scale(turn, sign)
+        return scale(axis(contacts, k, i), sign * memory.masses.inverse_mass[b]), scale(turn, sign)
     if block == AS_A:
         block = contacts.linked[k, 0]
     velocity = contacts.responses.velocity[block, contacts.responses.place[b]]
@@ -207,8 +207,8 @@ def speed_per_impulse(contacts: Contacts, memory: Memory, k: int, i: int, j: int
     v_a, w_a = response_of(contacts, memory, k, 0, j)
     v_b, w_b = response_of(contacts, memory, k, 1, j)
     n = axis(contacts, k, i)
-    on_a = dot(n, v_a) + dot(row(contacts.lever_a[k], i), w_a)
-    return float(on_a - dot(n, v_b) - dot(row(contacts.lever_b[k], i), w_b))
+    on_a = dot(n, v_a) + dot(row(contacts.jacobian_a[k], i), w_a)
+    return float(on_a - dot(n, v_b) - dot(row(contacts.jacobian_b[k], i), w_b))
 
 
 @kernel
@@ -217,7 +217,7 @@ def weigh_linked(contacts: Contacts, memory: Memory, k: int) -> None:
     contacts.inverse_effective_mass[k, 0] = speed_per_impulse(contacts, memory, k, 0, 0)
     one, other = speed_per_impulse(contacts, memory, k, 1, 1), speed_per_impulse(contacts, memory, k, 2, 2)
     contacts.inverse_effective_mass[k, 1] = largest_across(one, other, speed_per_impulse(contacts, memory, k, 1, 2))
-    least = IMMOVABLE * (memory.hold.inverse_mass[contacts.body[k, 0]] + memory.hold.inverse_mass[contacts.body[k, 1]])
+    least = IMMOVABLE * (memory.masses.inverse_mass[contacts.body[k, 0]] + memory.masses.inverse_mass[contacts.body[k, 1]])
     for i in range(2):
         contacts.cross_response[k, i] = speed_per_impulse(contacts, memory, k, i + 1, 0)
         if not (contacts.inverse_effective_mass[k, i] > least):

@@ -82,7 +82,7 @@ def weigh_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: In
         low, high = skel.first_dof[first], skel.first_dof[end]
         fold_limits(linkage, low, high)
         for i in range(skel.first_dof[first], skel.first_dof[end]):
-            linkage.held[i] = 0
+            linkage.at_limit[i] = 0
         put_masses(linkage, memory, first, end)
         put_momenta(linkage, memory, first, end)
         for n in range(members.shape[0]):
@@ -132,7 +132,7 @@ def put_masses(linkage: Linkage, memory: Memory, first: int, end: int) -> None:
     skel = linkage.skeleton
     for link in range(first, end):
         body = skel.first + link
-        linkage.mass[link] = 1.0 / memory.hold.inverse_mass[body]
+        linkage.mass[link] = 1.0 / memory.masses.inverse_mass[body]
         put_row(linkage.moment, link, (0.0, 0.0, 0.0))
         for i in range(3):
             for j in range(3):
@@ -201,14 +201,14 @@ def decompose(linkage: Linkage, low: int, high: int) -> None:
 
     L has entries for a degree and those above it alone (Featherstone 2008, section 6.5).
     """
-    factor, above, held = linkage.factor, linkage.above, linkage.held
+    factor, above, at_limit = linkage.factor, linkage.above, linkage.at_limit
     for k in range(low, high):
         i = k
         while i >= 0:
             factor[k, i - low] = linkage.matrix[k, i - low]
             i = above[i]
     for k in range(high - 1, low - 1, -1):
-        if held[k] == 1:
+        if at_limit[k] == 1:
             continue
         factor[k, k - low] = sqrt(max(factor[k, k - low], 0.0))
         scale_by = 1.0 / factor[k, k - low] if factor[k, k - low] > 0.0 else 0.0
@@ -228,30 +228,30 @@ def decompose(linkage: Linkage, low: int, high: int) -> None:
 @kernel
 def rates_for(linkage: Linkage, low: int, high: int, momentum: Array, rate: Array) -> None:
     """Solve for the ``rate`` of degrees low .. high that have a ``momentum``; the rates of degrees at a limit are fixed."""
-    factor, above, held = linkage.factor, linkage.above, linkage.held
+    factor, above, at_limit = linkage.factor, linkage.above, linkage.at_limit
     for i in range(low, high):
-        if held[i] == 0:
+        if at_limit[i] == 0:
             rate[i] = momentum[i]
     for k in range(low, high):
-        if held[k] == 1 and rate[k] != 0.0:
+        if at_limit[k] == 1 and rate[k] != 0.0:
             for i in range(low, high):
-                if held[i] == 0:
+                if at_limit[i] == 0:
                     rate[i] -= linkage.matrix[i, k - low] * rate[k]
     for i in range(high - 1, low - 1, -1):
-        if held[i] == 1 or rate[i] == 0.0:
+        if at_limit[i] == 1 or rate[i] == 0.0:
             continue
         rate[i] = rate[i] / factor[i, i - low] if factor[i, i - low] > 0.0 else 0.0
         j = above[i]
         while j >= 0:
-            if held[j] == 0:
+            if at_limit[j] == 0:
                 rate[j] -= factor[i, j - low] * rate[i]
             j = above[j]
     for i in range(low, high):
-        if held[i] == 1:
+        if at_limit[i] == 1:
             continue
         total, j = rate[i], above[i]
         while j >= 0:
-            if held[j] == 0:
+            if at_limit[j] == 0:
                 total -= factor[i, j - low] * rate[j]
             j = above[j]
         rate[i] = total / factor[i, i - low] if factor[i, i - low] > 0.0 else 0.0
@@ -263,16 +263,16 @@ def hold_at_limits(linkage: Linkage, low: int, high: int) -> bool:
     changed = False
     for j in range(low, high):
         least, most = linkage.bounds[j, 0], linkage.bounds[j, 1]
-        if linkage.held[j] == 0:
+        if linkage.at_limit[j] == 0:
             if linkage.rate[j] < least or linkage.rate[j] > most:
-                linkage.held[j], linkage.rate[j] = 1, least if linkage.rate[j] < least else most
+                linkage.at_limit[j], linkage.rate[j] = 1, least if linkage.rate[j] < least else most
                 changed = True
             continue
-        pull = linkage.momentum[j]
+        residual = linkage.momentum[j]
         for k in range(low, high):
-            pull -= linkage.matrix[j, k - low] * linkage.rate[k]
-        if (linkage.rate[j] >= most and pull < 0.0) or (linkage.rate[j] <= least and pull > 0.0):
-            linkage.held[j], changed = 0, True
+            residual -= linkage.matrix[j, k - low] * linkage.rate[k]
+        if (linkage.rate[j] >= most and residual < 0.0) or (linkage.rate[j] <= least and residual > 0.0):
+            linkage.at_limit[j], changed = 0, True
     return changed
 
 
@@ -317,7 +317,7 @@ def put_momenta(linkage: Linkage, memory: Memory, first: int, end: int) -> None:
     """Compute momenta without contact of links first .. end, about their joints."""
     for link in range(first, end):
         b = linkage.skeleton.first + link
-        put_row(linkage.force, link, scale(row(memory.linear_end, b), 1.0 / memory.hold.inverse_mass[b]))
+        put_row(linkage.force, link, scale(row(memory.linear_end, b), 1.0 / memory.masses.inverse_mass[b]))
         put_row(linkage.torque, link, scale(row(memory.angular_end, b), memory.inertia[b, 0, 0]))
 
 
@@ -438,7 +438,7 @@ def even_shares(dynamics: Dynamics, memory: Memory, members: Index) -> None:
 
 
 @kernel
-def bend(dynamics: Dynamics, members: Index, part: float) -> None:
+def step_joints(dynamics: Dynamics, members: Index, part: float) -> None:
     """Add a part of this substep's step to the joints of the linkages among the members."""
     drive, linkage = dynamics.drive, dynamics.drive.linkage
     for m in range(members.shape[0]):
@@ -450,7 +450,7 @@ def bend(dynamics: Dynamics, members: Index, part: float) -> None:
 
 
 @kernel
-def unbend(linkage: Linkage, link: int, share: float) -> None:
+def scale_last_step(linkage: Linkage, link: int, share: float) -> None:
     """Keep only a share of the last step of a joint."""
     turn_joint(linkage, link, share - 1.0)
     scale_step(linkage, link, share)

@@ -100,13 +100,13 @@ def find_rows(
     contacts.used[0], d = 0, stand_off_of(memory)
     for q in range(sub_.found[0]):
         forget_faces(memory, geometry.body[sub_.pieces[q, 0]], geometry.body[sub_.pieces[q, 1]])
-    pull = norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]))
+    gravity = norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]))
     for q in range(sub_.found[0]):
         sa, sb = sub_.pieces[q, 0], sub_.pieces[q, 1]
         a, b = geometry.body[sa], geometry.body[sb]
         if move_together(dynamics.drive, a, b):
             continue
-        reach = REACH * d + h * (closing_bound(memory, a, b) + 2.0 * h * pull)
+        reach = REACH * d + h * (closing_bound(memory, a, b) + 2.0 * h * gravity)
         driven = driven_side(dynamics, a, b)
         if driven != NOT_DRIVEN:
             reach = max(reach, memory.touch[0])
@@ -258,9 +258,9 @@ def add_refused(
     weigh_from(contacts, masses, 0.0, first)
     for k in range(first, contacts.used[0]):
         contacts.friction[k], contacts.key[k] = 0.0, -1
-        pull = dot(axis(contacts, k, 0), sub(acceleration(memory.paths, a), acceleration(memory.paths, b)))
-        speed = speed_along(contacts, k, 0, sub_.way, sub_.turning) + bend_along(dynamics, memory, k)
-        gap = contacts.gap[k] - after * (speed + 0.5 * after * pull)
+        gravity = dot(axis(contacts, k, 0), sub(acceleration(memory.paths, a), acceleration(memory.paths, b)))
+        speed = speed_along(contacts, k, 0, sub_.way, sub_.turning) + curvature_speed(dynamics, memory, k)
+        gap = contacts.gap[k] - after * (speed + 0.5 * after * gravity)
         contacts.gap[k] = gap
         if gap > LOWER * d:
             contacts.target[k] = -(gap - LOWER * d) / after
@@ -270,22 +270,22 @@ def add_refused(
 
 
 @kernel
-def bend_along(dynamics: Dynamics, memory: Memory, k: int) -> float:
+def curvature_speed(dynamics: Dynamics, memory: Memory, k: int) -> float:
     """Return how much faster [m/s] links of row k part by the rates of their joints than along the chord of their way."""
     sub_, contacts, n, found = memory.substeps, memory.contacts, axis(memory.contacts, k, 0), 0.0
     for side in range(2):
         b = contacts.body[k, side]
         if is_linked(dynamics.drive, b):
-            lever = row(contacts.lever_a[k], 0) if side == 0 else row(contacts.lever_b[k], 0)
+            jacobian = row(contacts.jacobian_a[k], 0) if side == 0 else row(contacts.jacobian_b[k], 0)
             straight = sub(row(memory.linear_end, b), row(sub_.way, b))
             turning = sub(row(memory.angular_end, b), row(sub_.turning, b))
-            speed = dot(n, straight) + dot(lever, turning)
+            speed = dot(n, straight) + dot(jacobian, turning)
             found += speed if side == 0 else -speed
     return float(found)
 
 
 @kernel
-def aim_by_chords(dynamics: Dynamics, memory: Memory, tolerance: float) -> bool:
+def correct_curvature(dynamics: Dynamics, memory: Memory, tolerance: float) -> bool:
     """Correct the targets of rows for the curvature of the ways of links: by how much less these part along their chords than by
     the rates of their joints (second-order correction: Nocedal and Wright 2006, section 15.6).
 
@@ -299,5 +299,5 @@ def aim_by_chords(dynamics: Dynamics, memory: Memory, tolerance: float) -> bool:
         if contacts.impulse[k, 0] > 0.0:
             # what is lifted stays so
             contacts.target[k] = max(contacts.target[k], speed_along(contacts, k, 0, memory.linear_end, memory.angular_end))
-        contacts.target[k] += bend_along(dynamics, memory, k)
+        contacts.target[k] += curvature_speed(dynamics, memory, k)
     return misses

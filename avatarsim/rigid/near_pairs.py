@@ -52,11 +52,11 @@ def grow(
     ``span`` (nb): largest distance of a point of the body from its centre of mass, radii included [m].
     """
     for k in range(3):
-        way = t * (abs(v[b, k]) + 0.5 * t * abs(a[k])) + margin
+        reach = t * (abs(v[b, k]) + 0.5 * t * abs(a[k])) + margin
         low, high = position[b, k] - span[b], position[b, k] + span[b]
         if turn < SMALL_TURN:
             low, high = max(low, hulls[b, k] - turn * span[b]), min(high, hulls[b, 3 + k] + turn * span[b])
-        boxes_out[b, k], boxes_out[b, 3 + k] = low - way, high + way
+        boxes_out[b, k], boxes_out[b, 3 + k] = low - reach, high + reach
 
 
 @kernel
@@ -98,12 +98,12 @@ def keeps_promise(
     w = norm(row(angular, b))
     turn = turn_within(w, t) if paths.kind[b] == FREE else t * (w + 0.5 * t * norm(row(paths.angular, b)))
     for k in range(3):
-        way = t * (abs(linear[b, k]) + 0.5 * t * abs(paths.linear[b, k])) + 0.5 * margin
+        reach = t * (abs(linear[b, k]) + 0.5 * t * abs(paths.linear[b, k])) + 0.5 * margin
         low, high = position[b, k] - span[b], position[b, k] + span[b]
         if turn < SMALL_TURN:
             low, high = max(low, hulls[b, k] - turn * span[b]), min(high, hulls[b, 3 + k] + turn * span[b])
         # half of the margin is left for the gap at which contacts are found
-        if not (low - way >= boxes[b, k] and high + way <= boxes[b, 3 + k]):
+        if not (low - reach >= boxes[b, k] and high + reach <= boxes[b, 3 + k]):
             return False
     return True
 
@@ -142,16 +142,16 @@ def boxes_near(a: Array, b: Array, i: int, k: int, margin: float) -> bool:
 
 
 @kernel
-def wake_beside(old: Array, new: Array, b: int, margin: float, wanted: PairFilter, asleep: Index, moving: Index) -> None:
+def wake_near(old: Array, new: Array, b: int, margin: float, wanted: PairFilter, asleep: Index, moving: Index) -> None:
     """Wake the bodies that sleep near body b, which was moved: near where it was (hulls ``old``) or where it is (``new``)."""
     for s in range(asleep.shape[0]):
-        beside = asleep[s] == 1 and s != b and (boxes_near(old, new, b, s, margin) or boxes_near(new, new, b, s, margin))
-        if beside and may_meet(wanted, s, b):
+        is_near = asleep[s] == 1 and s != b and (boxes_near(old, new, b, s, margin) or boxes_near(new, new, b, s, margin))
+        if is_near and may_meet(wanted, s, b):
             asleep[s], moving[s] = 0, 1
 
 
 @kernel
-def stands(linear: Array, angular: Array, b: int) -> bool:
+def is_still(linear: Array, angular: Array, b: int) -> bool:
     """Return True if both velocities of body b are exactly zero."""
     v, w = row(linear, b), row(angular, b)
     return dot(v, v) + dot(w, w) == 0.0

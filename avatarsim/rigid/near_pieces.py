@@ -26,13 +26,13 @@ larger: lists are longer."""
 @kernel
 def may_go(dynamics: Dynamics, memory: Memory, members: Index, h: float) -> None:
     """Estimate the motion [m] of the members in h seconds from their velocities without contact, and clear the list."""
-    pull, found = norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])), memory.substeps.found
+    gravity, found = norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])), memory.substeps.found
     for m in range(members.shape[0]):
         b = members[m]
         memory.substeps.room[b] = 0.0
         if memory.moving[b] == 1:
             speed = norm(row(memory.linear_end, b)) + norm(row(memory.angular_end, b)) * memory.span[b]
-            memory.substeps.room[b] = memory.margin[0] + FARTHER * h * (speed + h * pull)
+            memory.substeps.room[b] = memory.margin[0] + FARTHER * h * (speed + h * gravity)
     found[0] = 0
 
 

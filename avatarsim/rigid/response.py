@@ -89,8 +89,8 @@ def displace(contacts: Contacts, masses: Masses, evenly: bool, linear: Array, an
             if gap < GOOD and contacts.inverse_effective_mass[k, 0] > 0.0:
                 a, b = contacts.body[k, 0], contacts.body[k, 1]
                 of_a, of_b = share_of(masses, a, evenly), share_of(masses, b, evenly)
-                ease_a = masses.inverse_mass[a] + dot(row(contacts.lever_a[k], 0), row(contacts.turn_a[k], 0))
-                ease_b = masses.inverse_mass[b] + dot(row(contacts.lever_b[k], 0), row(contacts.turn_b[k], 0))
+                ease_a = masses.inverse_mass[a] + dot(row(contacts.jacobian_a[k], 0), row(contacts.turn_a[k], 0))
+                ease_b = masses.inverse_mass[b] + dot(row(contacts.jacobian_b[k], 0), row(contacts.turn_b[k], 0))
                 d = (STAND_OFF - gap) / (of_a * ease_a + of_b * ease_b)
                 for x in range(3):
                     linear[a, x] += d * of_a * masses.inverse_mass[a] * n[x]
@@ -113,8 +113,8 @@ def project_positions(
         _, worst = find_contacts(geometry, dynamics, poses, velocities, pairs, memory)
         if not (worst < GOOD) or k == PASSES:
             break
-        weigh(memory.contacts, memory.hold)
-        displace(memory.contacts, memory.hold, k >= WEIGHED, linear, angular)
+        weigh(memory.contacts, memory.masses)
+        displace(memory.contacts, memory.masses, k >= WEIGHED, linear, angular)
         for b in range(memory.moving.shape[0]):
             d, turn = row(linear, b), row(angular, b)
             if memory.moving[b] == 1 and dot(d, d) + dot(turn, turn) > 0.0:
@@ -123,7 +123,7 @@ def project_positions(
                 small = min(1.0, GENTLE_TURN / max(norm(turn), 1e-300))
                 put_columns(poses.rotation, b, spun(columns(poses.rotation, b), turn, small))
                 place(geometry, poses, b)
-                to_world(dynamics.inverse_inertia, poses.rotation, b, memory.hold.inverse_inertia)
+                to_world(dynamics.inverse_inertia, poses.rotation, b, memory.masses.inverse_inertia)
                 put_row(memory.trial.position, b, row(poses.position, b))
                 put_columns(memory.trial.rotation, b, columns(poses.rotation, b))
                 place(geometry, memory.trial, b)
@@ -182,7 +182,7 @@ MANY, MOTION = MANIFOLD_POINTS, 1e-2
 """More contact points than this, those of one pair of shapes, are many; a body faster than this [m/s] moves."""
 
 STILLNESS = ROUGH
-"""A held body slower than this [m/s, rad/s] at both ends of a segment rests: its velocities become exactly zero."""
+"""A supported body slower than this [m/s, rad/s] at both ends of a segment rests: its velocities become exactly zero."""
 
 
 @kernel
@@ -198,13 +198,13 @@ def impacts(
     contacts, v, w = memory.contacts, velocities.linear, velocities.angular
     contacts.standing[0] = 0
     status, resolved, patience = DONE, 0, 0 if hasty else EVENTS_CAP + IMPACTS_PER_POINT * contacts.used[0]
-    weigh(contacts, memory.strike)
+    weigh(contacts, memory.impact_masses)
     head, fastest = fastest_approach(contacts, v, w)
     calm = BRISKLY_SETTLED if is_brisk(memory, velocities, members) else SETTLED
     if head < 0 or fastest >= -calm:
         return status
     slow = REST_SPEED * contacts.pace[0]
-    chain_by_body(contacts, memory.strike, memory.newest, memory.older)
+    chain_by_body(contacts, memory.impact_masses, memory.newest, memory.older)
     while head >= 0 and fastest < -slow:
         if resolved >= patience or contacts.visits[0] > VISITS or resolved * contacts.used[0] > LOOKS:
             status = OUT_OF_IMPACTS
@@ -216,7 +216,7 @@ def impacts(
             met += time_to_contact(contacts, head, v, w, memory.paths.linear, memory.paths.angular)
             witness(geometry, events, APPROACH, met, now, a, b, poses, velocities, memory)
         guarded, first, last = resolve_impact(
-            contacts, memory.strike, members, head, fastest, switches.paper, resolved < PRECISE, v, w, memory.linear_end,
+            contacts, memory.impact_masses, members, head, fastest, switches.paper, resolved < PRECISE, v, w, memory.linear_end,
             memory.angular_end, memory.before, memory.direction, memory.received,
         )
         begin_tail(contacts, dynamics, memory, head, fastest, now)
@@ -235,8 +235,8 @@ def impacts(
         # forces brake the rest within a nanometre
         tolerance = max(care.tolerance if care.tolerance > SOLVED else calm, -JUDGED * fastest)
         settle(
-            contacts, memory.strike, members, care.attempts == ONCE, ROUNDING if few else tolerance, care.first, care.sweeps, v,
-            w, memory.linear_end, memory.angular_end, memory.before, memory.direction, memory.received,
+            contacts, memory.impact_masses, members, care.attempts == ONCE, ROUNDING if few else tolerance, care.first,
+            care.sweeps, v, w, memory.linear_end, memory.angular_end, memory.before, memory.direction, memory.received,
         )
     return status
 
@@ -285,21 +285,21 @@ def turns_with(contacts: Contacts, memory: Memory, velocities: Velocities, k: in
 
 @kernel
 def longest_segment(dynamics: Dynamics, velocities: Velocities, memory: Memory, left: float) -> float:
-    """Return the time [s] up to ``left`` for which constant contact forces are accurate; mark members that roll in ``held``."""
-    contacts, moving, held, h, count = memory.contacts, memory.moving, memory.held, left, memory.contacts.used[0]
-    pull = norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]))
+    """Return the time [s] up to ``left`` for which constant contact forces are accurate; mark rolling members ``supported``."""
+    contacts, moving, supported, h, count = memory.contacts, memory.moving, memory.supported, left, memory.contacts.used[0]
+    gravity = norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]))
     curvature(contacts, velocities.linear, velocities.angular)
     for k in range(count):
         for i in range(2):
             b = contacts.body[k, i]
             # for `hold`: it rolls
-            held[b] = moving[b] if contacts.smooth[k] != SHARP else held[b]
+            supported[b] = moving[b] if contacts.smooth[k] != SHARP else supported[b]
             spin = turns_with(contacts, memory, velocities, k, i)
             if moving[b] == 1:
                 if spin * h > GENTLE_TURN:
                     h = GENTLE_TURN / spin
-                if count < DETERMINED and spin * pull * h * h * h > RISE:
-                    h = (RISE / (spin * pull)) ** (1.0 / 3.0)
+                if count < DETERMINED and spin * gravity * h * h * h > RISE:
+                    h = (RISE / (spin * gravity)) ** (1.0 / 3.0)
                 rolls = norm(row(velocities.angular, b)) if contacts.smooth[k] != SHARP and memory.round[b] == 0 else 0.0
                 if rolls * h > STEADY_TURN:
                     h = STEADY_TURN / rolls
@@ -312,14 +312,12 @@ def longest_segment(dynamics: Dynamics, velocities: Velocities, memory: Memory, 
 
 
 @kernel
-def segment(
-    dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index, left: float
-) -> float:
+def segment(dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index, left: float) -> float:
     """Solve contact forces and set the paths of the members for at most ``left`` seconds; return for how long they hold."""
-    contacts, moving, paths, held, h = memory.contacts, memory.moving, memory.paths, memory.held, left
+    contacts, moving, paths, supported, h = memory.contacts, memory.moving, memory.paths, memory.supported, left
     count = contacts.used[0]
     for m in range(members.shape[0]):
-        held[members[m]] = 0
+        supported[members[m]] = 0
     contacts.standing[0] = 1
     if count > 0:
         h = longest_segment(dynamics, velocities, memory, left)
@@ -329,26 +327,26 @@ def segment(
         recall_forces(contacts, memory.last)
         care = care_for(memory, velocities, members, False)
         h, residual = hold(
-            contacts, memory.hold, members, moving, memory.round, dynamics.gravity, memory.inertia, h, velocities.linear,
+            contacts, memory.masses, members, moving, memory.round, dynamics.gravity, memory.inertia, h, velocities.linear,
             velocities.angular, memory.linear_end, memory.angular_end, memory.before, memory.direction, care,
-            held, memory.series,
+            supported, memory.series,
         )
         for m in range(members.shape[0]):
-            held[members[m]] = 0
+            supported[members[m]] = 0
         remember_forces(contacts, h, members, memory.last)
         memory.counts[SOLVES] += 1
         memory.counts[UNSOLVED] += 1 if not (residual <= 10.0 * care.tolerance) else 0
         memory.counts[CONTACTS] = max(memory.counts[CONTACTS], count)
         for k in range(count):
             if contacts.impulse[k, 0] > 0.0:
-                held[contacts.body[k, 0]], held[contacts.body[k, 1]] = 1, 1
+                supported[contacts.body[k, 0]], supported[contacts.body[k, 1]] = 1, 1
     for m in range(members.shape[0]):
         b = members[m]
-        held[b] *= moving[b]
+        supported[b] *= moving[b]
         paths.time[b] = -1.0
-        paths.kind[b] = (HELD if held[b] == 1 else FREE) if moving[b] == 1 else STILL
+        paths.kind[b] = (HELD if supported[b] == 1 else FREE) if moving[b] == 1 else STILL
         acceleration, twist = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        if held[b] == 1:
+        if supported[b] == 1:
             v, w = row(velocities.linear, b), row(velocities.angular, b)
             v_end, w_end = row(memory.linear_end, b), row(memory.angular_end, b)
             # small bodies may spin faster in proportion and still count as resting: the solver's residual at a contact, over a

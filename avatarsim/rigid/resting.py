@@ -100,13 +100,13 @@ def end_of_slip(
     soonest = h
     count, start = contacts.used[0], 0
     while start < count:
-        end, limit, pull, touching, power, most = start, 0.0, 0.0, -1, 0.0, 0.0
+        end, limit, friction, touching, power, most = start, 0.0, 0.0, -1, 0.0, 0.0
         while end < count and one_face(contacts, masses, start, end):
             if contacts.impulse[end, 0] > 0.0:
                 u0, slip = slip_that_ends(contacts, end, h, linear, angular, angular_end)
                 if slip > 0.0:
                     limit += contacts.friction[end] * contacts.impulse[end, 0]
-                    pull += hypot(contacts.impulse[end, 1], contacts.impulse[end, 2])
+                    friction += hypot(contacts.impulse[end, 1], contacts.impulse[end, 2])
                     most += contacts.friction[end] * contacts.impulse[end, 0] * slip
                     for i in range(1, 3):
                         power -= contacts.impulse[end, i] * dot(axis(contacts, end, i), u0)
@@ -115,8 +115,8 @@ def end_of_slip(
         if limit > 0.0:
             n = axis(contacts, touching, 0)
             u0 = tangential_velocity(n, velocity_at(contacts, touching, linear, angular))
-            slip, share = norm(u0), pull / limit
-            u1 = along(velocity_at(contacts, touching, linear_end, angular_end), h, row(contacts.bend, touching))
+            slip, share = norm(u0), friction / limit
+            u1 = along(velocity_at(contacts, touching, linear_end, angular_end), h, row(contacts.bias_acceleration, touching))
             u1 = tangential_velocity(n, u1)
             if share < 1.0 - ROUGH:
                 share = power / most if 0.0 < power < share * most else share
@@ -200,16 +200,16 @@ def can_pay(contacts: Contacts, k: int, dip: float, linear: Array) -> bool:
 
 
 @kernel
-def way_to_go(contacts: Contacts, k: int, linear: Array) -> float:
+def distance_to_close(contacts: Contacts, k: int, linear: Array) -> float:
     """Return the distance [m] by which contact k is to close, or, below 0, to open; 0 where no body has energy for the lift."""
     gap = contacts.gap[k]
     stays = (HOVER if contacts.used[0] > DETERMINED else LEVEL) * STAND_OFF
-    way = gap - LEVEL * STAND_OFF if gap > stays else min(0.0, gap)
-    return 0.0 if way < 0.0 and not can_pay(contacts, k, -gap, linear) else float(way)
+    distance = gap - LEVEL * STAND_OFF if gap > stays else min(0.0, gap)
+    return 0.0 if distance < 0.0 and not can_pay(contacts, k, -gap, linear) else float(distance)
 
 
 @kernel
-def known_bend(contacts: Contacts, k: int, angular: Array) -> Vec3:
+def sway_acceleration(contacts: Contacts, k: int, angular: Array) -> Vec3:
     """Return the part [m/s^2] of contact k's bias acceleration by its turning lever arms; midpoint arms include half of it."""
     a, b = contacts.body[k, 0], contacts.body[k, 1]
     return sub(cross(row(angular, a), row(contacts.sway_a, k)), cross(row(angular, b), row(contacts.sway_b, k)))
@@ -220,7 +220,7 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
     """Set the bias velocities of all contacts after h seconds of constant force, from velocities at the start.
 
     Velocities at the end are taken with the lever arms of the midpoint, so the bias acceleration is added to the target, less the
-    half of `known_bend` that those arms include already.
+    half of `sway_acceleration` that those arms include already.
     """
     for k in range(contacts.used[0]):
         v = dot(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
@@ -229,11 +229,11 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
             for i in range(3):
                 contacts.impulse[k, i] = 0.0
         else:
-            way = way_to_go(contacts, k, linear)
-            bend = along(row(contacts.bend, k), -0.5, known_bend(contacts, k, angular))
-            contacts.target[k] = -h * dot(axis(contacts, k, 0), bend) - max(-LIFT * contacts.pace[0], 2.0 * way / h)
-            contacts.slide[k, 0] = -h * dot(axis(contacts, k, 1), bend)
-            contacts.slide[k, 1] = -h * dot(axis(contacts, k, 2), bend)
+            distance = distance_to_close(contacts, k, linear)
+            bias = along(row(contacts.bias_acceleration, k), -0.5, sway_acceleration(contacts, k, angular))
+            contacts.target[k] = -h * dot(axis(contacts, k, 0), bias) - max(-LIFT * contacts.pace[0], 2.0 * distance / h)
+            contacts.slide[k, 0] = -h * dot(axis(contacts, k, 1), bias)
+            contacts.slide[k, 1] = -h * dot(axis(contacts, k, 2), bias)
 
 
 @kernel

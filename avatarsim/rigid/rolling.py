@@ -40,21 +40,21 @@ def normal_of_edges(e: Vec3, f: Vec3, n: Vec3, turn_a: Vec3, turn_b: Vec3) -> Ve
 
 
 @kernel
-def normal_of_edge(e: Vec3, n: Vec3, turn: Vec3, bends: Columns, gap: float, drive: Vec3) -> Vec3:
+def normal_of_edge(e: Vec3, n: Vec3, turn: Vec3, radii: Columns, gap: float, drive: Vec3) -> Vec3:
     """Return n' [1/s] while n stays at right angles to an edge, unit e, that turns by ``turn``; see `normal_of_points`."""
     g = cross(n, e)
     along_e = dot(turn, e)
-    across = (dot(g, drive) - along_e * dot(g, turned(bends, e))) / (dot(g, turned(bends, g)) + gap)
+    across = (dot(g, drive) - along_e * dot(g, turned(radii, e))) / (dot(g, turned(radii, g)) + gap)
     return along(scale(e, along_e), across, g)
 
 
 @kernel
-def normal_of_points(n: Vec3, bends: Columns, gap: float, drive: Vec3) -> Vec3:
+def normal_of_points(n: Vec3, radii: Columns, gap: float, drive: Vec3) -> Vec3:
     """Return n' [1/s] of two points with curvature, across n: (H_a + H_b + gap) n' = drive: u + H_a (w_a x n) + H_b (w_b x n)."""
     p = perpendicular(n)
     q = cross(n, p)
-    bend_p, bend_q = turned(bends, p), turned(bends, q)
-    pp, pq, qq = dot(p, bend_p) + gap, dot(p, bend_q), dot(q, bend_q) + gap
+    radii_p, radii_q = turned(radii, p), turned(radii, q)
+    pp, pq, qq = dot(p, radii_p) + gap, dot(p, radii_q), dot(q, radii_q) + gap
     det = pp * qq - pq * pq
     x, y = dot(p, drive), dot(q, drive)
     return along(scale(p, (qq * x - pq * y) / det), (pp * y - pq * x) / det, q)
@@ -70,9 +70,9 @@ def roll_on(contacts: Contacts, k: int, linear: Array, angular: Array) -> tuple[
     n, w_a, w_b = axis(contacts, k, 0), row(angular, a), row(angular, b)
     arm_a, arm_b = row(contacts.arm_a, k), row(contacts.arm_b, k)
     turn_a, turn_b, apart = cross(w_a, n), cross(w_b, n), sub(row(linear, a), row(linear, b))
-    bend_a, bend_b = columns(contacts.radii_a, k), columns(contacts.radii_b, k)
+    radii_a, radii_b = columns(contacts.radii_a, k), columns(contacts.radii_b, k)
     u = tangential_velocity(n, sub(add(apart, cross(w_a, arm_a)), cross(w_b, arm_b)))
-    drive = add(u, add(turned(bend_a, turn_a), turned(bend_b, turn_b)))
+    drive = add(u, add(turned(radii_a, turn_a), turned(radii_b, turn_b)))
     gap = max(0.0, contacts.gap[k])
     e, f = row(contacts.edge_a, k), row(contacts.edge_b, k)
     long_e, long_f = norm(e), norm(f)
@@ -86,20 +86,20 @@ def roll_on(contacts: Contacts, k: int, linear: Array, angular: Array) -> tuple[
     elif long_e > 0.0 and long_f > 0.0 and norm(cross(e, f)) > SLIM * long_e * long_f:
         turns = normal_of_edges(e, f, n, turn_a, turn_b)
         # the point runs along e by the rest of the way over B's edge
-        rest = sub(add(turned(bend_a, turns), turned(bend_b, turns)), drive)
+        rest = sub(add(turned(radii_a, turns), turned(radii_b, turns)), drive)
         more = dot(rest, cross(f, n)) / dot(n, cross(e, f))
     else:
-        bends = (add(bend_a[0], bend_b[0]), add(bend_a[1], bend_b[1]), add(bend_a[2], bend_b[2]))
+        radii = (add(radii_a[0], radii_b[0]), add(radii_a[1], radii_b[1]), add(radii_a[2], radii_b[2]))
         if long_e > 0.0:
-            turns, of_a = normal_of_edge(scale(e, 1.0 / long_e), n, turn_a, bends, gap, drive), long_f > 0.0
+            turns, of_a = normal_of_edge(scale(e, 1.0 / long_e), n, turn_a, radii, gap, drive), long_f > 0.0
         elif long_f > 0.0:
-            turns = normal_of_edge(scale(f, 1.0 / long_f), n, turn_b, bends, gap, drive)
+            turns = normal_of_edge(scale(f, 1.0 / long_f), n, turn_b, radii, gap, drive)
         else:
-            turns = normal_of_points(n, bends, gap, drive)
+            turns = normal_of_points(n, radii, gap, drive)
     if of_a:
-        sway_a = along(add(cross(w_a, arm_a), turned(bend_a, sub(turn_a, turns))), more, e)
+        sway_a = along(add(cross(w_a, arm_a), turned(radii_a, sub(turn_a, turns))), more, e)
         return turns, sway_a, add(sway_a, apart)
-    sway_b = add(cross(w_b, arm_b), turned(bend_b, sub(turns, turn_b)))
+    sway_b = add(cross(w_b, arm_b), turned(radii_b, sub(turns, turn_b)))
     return turns, sub(sway_b, apart), sway_b
 
 
@@ -111,37 +111,37 @@ def pace_of_arm(arm: Vec3, sway: Vec3, turns: Vec3) -> float:
 
 @kernel
 def curvature(contacts: Contacts, linear: Array, angular: Array) -> None:
-    """Fill ``bend``: how A's contact point accelerates as seen from B's [m/s^2] without any force; ``sway`` and ``turns``.
+    """Fill ``bias_acceleration``: that of A's contact point as seen from B's [m/s^2] without any force; ``sway`` and ``turns``.
 
     Gap' = n . (v_a + w_a x r_a - v_b - w_b x r_b), so gap'' = n . (w_a x r_a' - w_b x r_b') + n' . u and the effect of forces.
     """
     for k in range(contacts.used[0]):
         if contacts.smooth[k] == TWO_BALLS:
-            put_row(contacts.bend, k, bend_of_balls(contacts, k, linear, angular))
+            put_row(contacts.bias_acceleration, k, bias_of_balls(contacts, k, linear, angular))
             contacts.turns[k, 0], contacts.turns[k, 1] = 0.0, 0.0
             continue
         a, b = contacts.body[k, 0], contacts.body[k, 1]
         n, w_a, w_b = axis(contacts, k, 0), row(angular, a), row(angular, b)
         if contacts.smooth[k] == SHARP:
-            bend = bend_of_corners(contacts, k, linear, angular)
+            bias = bias_of_corners(contacts, k, linear, angular)
             contacts.turns[k, 0], contacts.turns[k, 1] = norm(w_a), norm(w_b)
         else:
             turns, sway_a, sway_b = roll_on(contacts, k, linear, angular)
             on_a = point_velocity(row(linear, a), w_a, row(contacts.arm_a, k))
             u = sub(on_a, point_velocity(row(linear, b), w_b, row(contacts.arm_b, k)))
-            bend = along(sub(cross(w_a, sway_a), cross(w_b, sway_b)), dot(turns, u), n)
+            bias = along(sub(cross(w_a, sway_a), cross(w_b, sway_b)), dot(turns, u), n)
             if contacts.driven[k] == NOT_DRIVEN:
                 put_row(contacts.sway_a, k, sway_a)
                 put_row(contacts.sway_b, k, sway_b)
             round_a, round_b = contacts.smooth[k] & ROUND_A, contacts.smooth[k] & ROUND_B
             contacts.turns[k, 0] = pace_of_arm(row(contacts.arm_a, k), sway_a, turns) if round_a else norm(w_a)
             contacts.turns[k, 1] = pace_of_arm(row(contacts.arm_b, k), sway_b, turns) if round_b else norm(w_b)
-        put_row(contacts.bend, k, bend)
+        put_row(contacts.bias_acceleration, k, bias)
 
 
 @kernel
-def bend_of_balls(contacts: Contacts, k: int, linear: Array, angular: Array) -> Vec3:
-    """Return ``bend`` of two balls: |v_t|^2 / distance along n, and across it the effect of a spin about n as n turns."""
+def bias_of_balls(contacts: Contacts, k: int, linear: Array, angular: Array) -> Vec3:
+    """Return the bias acceleration of two balls: |v_t|^2 / distance along n, across it the effect of a spin about n."""
     a, b = contacts.body[k, 0], contacts.body[k, 1]
     n, across = axis(contacts, k, 0), sub(row(linear, a), row(linear, b))
     across = tangential_velocity(n, across)
@@ -152,8 +152,8 @@ def bend_of_balls(contacts: Contacts, k: int, linear: Array, angular: Array) -> 
 
 
 @kernel
-def bend_of_corners(contacts: Contacts, k: int, linear: Array, angular: Array) -> Vec3:
-    """Return ``bend`` of a contact of corners, edges and faces; fills ``sway``.
+def bias_of_corners(contacts: Contacts, k: int, linear: Array, angular: Array) -> Vec3:
+    """Return the bias acceleration of a contact of corners, edges and faces; fills ``sway``.
 
     A corner that pivots moves on a circle, w x (w x r). A body that slides with u over a face that turns with w meets or leaves
     it by 2 (w x n) . u (Coriolis).
@@ -161,7 +161,7 @@ def bend_of_corners(contacts: Contacts, k: int, linear: Array, angular: Array) -
     a, b = contacts.body[k, 0], contacts.body[k, 1]
     w_a, w_b = row(angular, a), row(angular, b)
     sway_a, sway_b = cross(w_a, row(contacts.arm_a, k)), cross(w_b, row(contacts.arm_b, k))
-    bend = sub(cross(w_a, sway_a), cross(w_b, sway_b))
+    bias = sub(cross(w_a, sway_a), cross(w_b, sway_b))
     if contacts.driven[k] == NOT_DRIVEN:
         put_row(contacts.sway_a, k, sway_a)
         put_row(contacts.sway_b, k, sway_b)
@@ -172,12 +172,12 @@ def bend_of_corners(contacts: Contacts, k: int, linear: Array, angular: Array) -
         n, u = axis(contacts, k, 0), velocity_at(contacts, k, linear, angular)
         turns = add(cross(cross(w_a, e), f), cross(e, cross(w_b, f)))
         sign = 1.0 if dot(cross(e, f), n) > 0.0 else -1.0
-        bend = along(bend, sign * 2.0 * dot(turns, u) / wide, n)
+        bias = along(bias, sign * 2.0 * dot(turns, u) / wide, n)
     if contacts.face[k] != 0:
         n, w = axis(contacts, k, 0), w_a if contacts.face[k] == 1 else w_b
         slip = tangential_velocity(n, velocity_at(contacts, k, linear, angular))
-        bend = along(bend, 2.0 * dot(cross(w, n), slip), n)
-    return bend
+        bias = along(bias, 2.0 * dot(cross(w, n), slip), n)
+    return bias
 
 
 EVEN = ROUGH

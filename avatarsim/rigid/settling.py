@@ -18,7 +18,7 @@ from avatarsim.rigid.margin_rows import LOWER, UPPER, find_rows, stand_off_of
 from avatarsim.rigid.near_pieces import list_pieces_of, may_go
 from avatarsim.rigid.solver import FIRST_TRY, solve_contacts
 from avatarsim.rigid.state import SOLVES, Memory
-from avatarsim.rigid.substep import VISITS, apply_kept, fall_free
+from avatarsim.rigid.substep import VISITS, apply_impulses, fall_free
 from avatarsim.spatial.vec3 import norm, put_row, row
 from avatarsim.tolerances import FINE, ROUGH, ROUNDING
 
@@ -30,17 +30,17 @@ CALM, AGAIN_AFTER = AT_LAST / 10.0, AT_LAST / 3.0
 half a second of slowness is rest to the eye. Shorter: bodies that are slow for a moment are tried, or stop too soon; longer:
 heaps sleep later, and bodies at rest are solved for as long as moving ones."""
 
-HELD_SHARE, HELD_VISITS = 5e-4, 5 * VISITS
-"""Share of the pull of gravity that the test may leave to a body that counts as held, and most contact points that each stage of
+REST_SHARE, REST_VISITS = 5e-4, 5 * VISITS
+"""Share of gravity that the test may leave to a body that counts as supported, and most contact points that each stage of
 its solve visits. Larger share: a body farther from its balance, in radians, stands; smaller, or fewer visits: heaps never sleep,
 for the solver does not come so far."""
 
-HELD_GAP = UPPER + LOWER
+REST_GAP = UPPER + LOWER
 """[stand-offs] gap up to which a contact holds from rest: substeps leave gaps of 0.5 to 1.5."""
 
 
 @kernel
-def pull_of(dynamics: Dynamics) -> float:
+def gravity_strength(dynamics: Dynamics) -> float:
     """Return the size of gravity [m/s^2]."""
     return float(norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])))
 
@@ -48,7 +48,7 @@ def pull_of(dynamics: Dynamics) -> float:
 @kernel
 def slow_speed(dynamics: Dynamics, memory: Memory) -> float:
     """Return the speed [m/s] below which a body may come to rest: a tenth of that of a fall through the stand-off."""
-    return FINE * sqrt(2.0 * stand_off_of(memory) * pull_of(dynamics))
+    return FINE * sqrt(2.0 * stand_off_of(memory) * gravity_strength(dynamics))
 
 
 @kernel
@@ -105,15 +105,15 @@ def holds_from_rest(
         return False
     count, d = contacts.used[0], stand_off_of(memory)
     contacts.standing[0] = 1
-    weigh_from(contacts, memory.hold, 0.0, 0)
+    weigh_from(contacts, memory.masses, 0.0, 0)
     for k in range(count):
-        contacts.target[k] = -max(0.0, contacts.gap[k] - HELD_GAP * d) / h
+        contacts.target[k] = -max(0.0, contacts.gap[k] - REST_GAP * d) / h
     recall_forces(contacts, memory.last)
     scale_impulses(contacts, h)
-    apply_kept(memory, count)
+    apply_impulses(memory, count)
     solve_contacts(
-        contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end, ROUGH, FIRST_TRY,
-        max(FIRST_TRY, HELD_VISITS // (2 * max(1, count))), memory.before, memory.direction,
+        contacts, memory.masses, 0, count, memory.linear_end, memory.angular_end, ROUGH, FIRST_TRY,
+        max(FIRST_TRY, REST_VISITS // (2 * max(1, count))), memory.before, memory.direction,
     )
     memory.counts[SOLVES] += 1
     worst = 0.0
@@ -121,14 +121,14 @@ def holds_from_rest(
         b = members[m]
         if memory.moving[b] == 1:
             worst = max(worst, norm(row(memory.linear_end, b)), norm(row(memory.angular_end, b)) * memory.span[b])
-    return worst < HELD_SHARE * pull_of(dynamics) * h
+    return worst < REST_SHARE * gravity_strength(dynamics) * h
 
 
 @kernel
-def stand_still(memory: Memory, members: Index) -> None:
+def put_to_rest(memory: Memory, members: Index) -> None:
     """Let the members stand still for the rest of the frame, after which they fall asleep."""
     for m in range(members.shape[0]):
         b = members[m]
         if memory.moving[b] == 1:
-            memory.paths.kind[b], memory.held[b] = STILL, 1
+            memory.paths.kind[b], memory.supported[b] = STILL, 1
             put_row(memory.paths.linear, b, (0.0, 0.0, 0.0))

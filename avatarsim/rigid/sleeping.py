@@ -12,7 +12,7 @@ from avatarsim.rigid.clocks import go_back
 from avatarsim.rigid.contact_generation import note_shown
 from avatarsim.rigid.driven import is_kinematic
 from avatarsim.rigid.islands import due_of, part
-from avatarsim.rigid.near_pairs import keeps_promise, near_pairs, stands, wake_beside
+from avatarsim.rigid.near_pairs import is_still, keeps_promise, near_pairs, wake_near
 from avatarsim.rigid.state import DONE, ISLANDS, NOT_FINITE, OUT_OF_ROOM, SEGMENTS, SWEEPS, Memory
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import put_row, row
@@ -47,10 +47,10 @@ def begin(
             make_ready(velocities, memory, b)
     for b in range(bodies):
         if is_kinematic(dynamics, b):
-            memory.hold.inverse_mass[b] = 0.0
+            memory.masses.inverse_mass[b] = 0.0
             for i in range(3):
                 for k in range(3):
-                    memory.hold.inverse_inertia[b, i, k] = 0.0
+                    memory.masses.inverse_inertia[b, i, k] = 0.0
             notice_driven(geometry, poses, velocities, dt, memory, b)
     for b in range(bodies):
         awake += moving[b]
@@ -77,7 +77,7 @@ def make_ready(velocities: Velocities, memory: Memory, b: int) -> None:
 def notice_driven(geometry: Geometry, poses: Poses, velocities: Velocities, dt: float, memory: Memory, b: int) -> None:
     """Wake bodies that sleep next to driven body b if it was moved, or moves, and copy its pose and displayed velocity."""
     trial = memory.trial
-    same = stands(velocities.linear, velocities.angular, b)
+    same = is_still(velocities.linear, velocities.angular, b)
     for i in range(3):
         same = same and poses.position[b, i] == trial.position[b, i]
         for k in range(3):
@@ -87,7 +87,7 @@ def notice_driven(geometry: Geometry, poses: Poses, velocities: Velocities, dt: 
         put_row(memory.shown_angular, b, (0.0, 0.0, 0.0))
         return
     note_shown(poses, dt, memory, b)
-    wake_beside(trial.hulls, poses.hulls, b, memory.margin[0], memory.wanted, memory.asleep, memory.moving)
+    wake_near(trial.hulls, poses.hulls, b, memory.margin[0], memory.wanted, memory.asleep, memory.moving)
     put_row(memory.began.position, b, row(poses.position, b))
     put_row(trial.position, b, row(poses.position, b))
     put_columns(trial.rotation, b, columns(poses.rotation, b))

@@ -88,9 +88,9 @@ def lay_out(contacts: Contacts, masses: Masses, first: int, last: int, linear: A
                 put_three(rows, k, response + LANES, scale(turn, free))
                 response += 2 * LANES
             for part in range(3):
-                lever = n if part == 0 else row(contacts.lever_a[k], i) if part == 1 else row(contacts.lever_b[k], i)
+                jacobian = n if part == 0 else row(contacts.jacobian_a[k], i) if part == 1 else row(contacts.jacobian_b[k], i)
                 for x in range(3):
-                    rows[k, JACOBIANS + LANES * (3 * part + x) + i] = lever[x] * per
+                    rows[k, JACOBIANS + LANES * (3 * part + x) + i] = jacobian[x] * per
         for c in range(JACOBIAN_SIZE):
             rows[k, JACOBIAN + c] = rows[k, JACOBIANS + LANES * c]
         for i in range(2):
@@ -180,7 +180,7 @@ def normal_stopping_impulse(rows: Array, k: int, motion: Array, a: int, b: int) 
 
 
 @kernel
-def wish_beside_driven(rows: Array, k: int, motion: Array, a: int, b: int, driven: int) -> float:
+def normal_impulse_driven(rows: Array, k: int, motion: Array, a: int, b: int, driven: int) -> float:
     """Return that impulse where a driven body that recedes counts as standing still: see `velocity_at`."""
     on_a = dot(three(rows, k, JACOBIAN), three(motion, a, 0)) + dot(three(rows, k, JACOBIAN + 3), three(motion, a, LANES))
     on_b = dot(three(rows, k, JACOBIAN), three(motion, b, 0)) + dot(three(rows, k, JACOBIAN + 6), three(motion, b, LANES))
@@ -195,7 +195,7 @@ def gauss_seidel_sweep(contacts: Contacts, first: int, last: int, back: bool, gr
     in between: `wanted_normal` and `wanted_friction` in one.
 
     Args:
-        contacts: after `lay_out`; ``motion`` changes. before: (cap, 3) gets the impulses held on entry, unless ``back``.
+        contacts: after `lay_out`; ``motion`` changes. before: (cap, 3) gets the impulses on entry, unless ``back``.
 
     Returns:
         (largest change [m/s], sum of squares of impulse - before, times the inverse effective mass along the normal).
@@ -205,9 +205,9 @@ def gauss_seidel_sweep(contacts: Contacts, first: int, last: int, back: bool, gr
     for turn in range(last - first):
         # an index that cannot be negative is not counted from the end: four operations less for every array
         k = max(0, last - 1 - turn if back else first + turn)
-        held = row(impulse, k)
+        current = row(impulse, k)
         if not back:
-            put_row(before, k, held)
+            put_row(before, k, current)
         if rows[k, BIAS] == -inf:
             continue
         a, b = max(0, body[k, 0]), max(0, body[k, 1])
@@ -217,19 +217,19 @@ def gauss_seidel_sweep(contacts: Contacts, first: int, last: int, back: bool, gr
         else:
             short, short_x, short_y = normal_stopping_impulse(rows, k, motion, a, b), 0.0, 0.0
         if standing == 1 and driven[k] != NOT_DRIVEN:
-            short = wish_beside_driven(rows, k, motion, a, b, driven[k])
-        normal = max(0.0, (held[0] + rows[k, BIAS]) - short)
-        dn, dx, dy = normal - held[0], 0.0, 0.0
-        if rough > 0.0 and (normal != 0.0 or held[1] != 0.0 or held[2] != 0.0):
-            x = (held[1] + rows[k, SLIDE] - short_x) - rows[k, CROSS_RESPONSE] * dn
-            y = (held[2] + rows[k, SLIDE + 1] - short_y) - rows[k, CROSS_RESPONSE + 1] * dn
+            short = normal_impulse_driven(rows, k, motion, a, b, driven[k])
+        normal = max(0.0, (current[0] + rows[k, BIAS]) - short)
+        dn, dx, dy = normal - current[0], 0.0, 0.0
+        if rough > 0.0 and (normal != 0.0 or current[1] != 0.0 or current[2] != 0.0):
+            x = (current[1] + rows[k, SLIDE] - short_x) - rows[k, CROSS_RESPONSE] * dn
+            y = (current[2] + rows[k, SLIDE + 1] - short_y) - rows[k, CROSS_RESPONSE + 1] * dn
             x, y = in_friction_disc(x, y, rough * normal)
-            dx, dy = x - held[1], y - held[2]
+            dx, dy = x - current[1], y - current[2]
         moved = max(abs(dn) * rows[k, INVERSE_MASS], (abs(dx) + abs(dy)) * rows[k, INVERSE_MASS + 1])
         worst = max(worst, moved)
         if moved > 0.0:
-            held = add(held, (dn, dx, dy))
-            put_row(impulse, k, held)
+            current = add(current, (dn, dx, dy))
+            put_row(impulse, k, current)
             if rough > 0.0:
                 apply_impulse(rows, k, (dn, dx, dy), motion, a, b)
             else:
@@ -237,33 +237,33 @@ def gauss_seidel_sweep(contacts: Contacts, first: int, last: int, back: bool, gr
             if has_links:
                 apply_to_links(contacts, k, (dn, dx, dy))
         if back:
-            way = sub(held, row(before, k))
-            square += dot(way, way) * rows[k, INVERSE_MASS]
+            change = sub(current, row(before, k))
+            square += dot(change, change) * rows[k, INVERSE_MASS]
     return worst, square
 
 
 @kernel
-def go_on_along(contacts: Contacts, first: int, last: int, beta: float, before: Array, direction: Array) -> None:
+def conjugate_step(contacts: Contacts, first: int, last: int, beta: float, before: Array, direction: Array) -> None:
     """Take a conjugate-gradient step: impulses change by ``beta`` ``direction``, which then gains the change since ``before``."""
     impulse, rows, motion, body = contacts.impulse, contacts.rows, contacts.motion, contacts.body
     for turn in range(last - first):
         k = max(0, first + turn)
         if rows[k, BIAS] == -inf:
             continue
-        held = row(impulse, k)
-        way = sub(held, row(before, k))
+        current = row(impulse, k)
+        change = sub(current, row(before, k))
         if beta > 0.0:
             d = scale(row(direction, k), beta)
-            way = add(way, d)
+            change = add(change, d)
             if dot(d, d) > 0.0:
-                put_row(impulse, k, add(held, d))
+                put_row(impulse, k, add(current, d))
                 if d[1] != 0.0 or d[2] != 0.0:
                     apply_impulse(rows, k, d, motion, body[k, 0], body[k, 1])
                 else:
                     apply_normal_impulse(rows, k, d[0], motion, body[k, 0], body[k, 1])
                 if contacts.responses.used[0] > 0:
                     apply_to_links(contacts, k, d)
-        put_row(direction, k, way)
+        put_row(direction, k, change)
 
 
 FIRST_TRY = 25
@@ -389,7 +389,7 @@ def passes(
         beta = square / last_square if 0 < sweep < cap - 1 and 0.0 < square <= last_square else 0.0
         astray = astray + 1 if beta == 0.0 else 0
         last_square = square
-        go_on_along(contacts, first, last, beta, before, direction)
+        conjugate_step(contacts, first, last, beta, before, direction)
     return worst, False
 
 

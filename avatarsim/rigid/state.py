@@ -45,7 +45,7 @@ class Events(NamedTuple):
     Poses are those at which the impact is resolved, with the stand-off still open. It takes the time gap / speed to close, so the
     last impact of a frame may be a few nanoseconds past its end, and slow impacts may overtake fast ones of other pairs."""
 
-    kept: IndexLine
+    used: IndexLine
     time: Line
     kind: IndexLine
     pair: IndexGrid
@@ -68,8 +68,8 @@ def record(
     events: Events, kind: int, time: float, a: int, b: int, position: Array, rotation: Array, linear: Array, angular: Array
 ) -> None:
     """Append one event; the count increases when there is no room, so that the loss shows."""
-    k = events.kept[0]
-    events.kept[0] = k + 1
+    k = events.used[0]
+    events.used[0] = k + 1
     if k >= events.time.shape[0]:
         return
     events.time[k], events.kind[k] = time, kind
@@ -83,33 +83,33 @@ def record(
 
 def snapshots(world: World, events: Events, begun: float) -> tuple[Snapshot, ...]:
     """Return one snapshot per recorded event; `begun` [s] is when the frame began."""
-    kept, names = [], world.scene.names
-    for k in range(min(int(events.kept[0]), len(events.time))):
+    used, names = [], world.scene.names
+    for k in range(min(int(events.used[0]), len(events.time))):
         positions, orientations = np.empty_like(events.position[k]), np.empty((len(world.centres), 4))
         write_shown(events.position[k], events.rotation[k], world.centres, 0, positions, orientations)
         name = "approach" if events.kind[k] == APPROACH else "impact"
         linear, angular = events.linear[k].copy(), events.angular[k].copy()
         bodies = tuple(names[b] for b in sorted(events.pair[k].tolist()))
-        kept.append(Snapshot(begun + float(events.time[k]), positions, orientations, linear, angular, name, bodies))
-    return tuple(kept)
+        used.append(Snapshot(begun + float(events.time[k]), positions, orientations, linear, angular, name, bodies))
+    return tuple(used)
 
 
 def trail_snapshots(world: World, trail: Array, time: float) -> tuple[Snapshot, ...]:
     """Return one snapshot, at `time` [s], per row of the trail (k, nl, 12) of a lower loop: positions [m] and rotations of links;
     all other bodies, and all velocities, as they are now."""
-    first, kept = world.skeleton.first, []
+    first, used = world.skeleton.first, []
     for links in trail:
         position, rotation = world.poses.position.copy(), world.poses.rotation.copy()
         position[first:], rotation[first:] = links[:, :3], links[:, 3:].reshape(-1, 3, 3)
         positions, orientations = np.empty_like(position), np.empty((len(world.centres), 4))
         write_shown(position, rotation, world.centres, 0, positions, orientations)
         linear, angular = world.velocities.linear.copy(), world.velocities.angular.copy()
-        kept.append(Snapshot(time, positions, orientations, linear, angular))
-    return tuple(kept)
+        used.append(Snapshot(time, positions, orientations, linear, angular))
+    return tuple(used)
 
 
 PAIRS_ROOM, PAIRS_PER_BODY = 65536, 32
-"""Near pairs held, or so many per body if that is more: a heap of a thousand has about ten thousand, a packed lattice 13 for
+"""Room for near pairs, or so many per body if that is more: a heap of a thousand has about ten thousand, a packed lattice 13 for
 each. Fewer: motion is bounded over shorter horizons, each with a broad phase of its own, and a heap that has more pairs at rest
 waits."""
 
@@ -169,8 +169,8 @@ class Memory(NamedTuple):
     received           (nb, 3) [N s] impulses that each driven body got in this frame, for eq. 6
     moving, asleep     (nb) flags: moves in this frame; left alone until something comes near
     ball, round        (nb) flags: one sphere about its centre of mass; spinning makes no torque on it
-    held               (nb) flags: has contact forces in this segment
-    strike, hold       masses with driven bodies yielding, for impacts, and not, for forces
+    supported          (nb) flags: has contact forces in this segment
+    impact_masses      with driven bodies yielding, for impacts; masses: without, for forces
     inertia            (nb, 3, 3) [kg m^2] about the centres of mass, world axes
     reach, span        (nb) [m] largest distance of a vertex, of a point of the surface, from the centre of mass
     trial              poses used while searching for impacts; between frames those of the last frame
@@ -211,9 +211,9 @@ class Memory(NamedTuple):
     asleep: Annotated[IndexLine, FLAG]
     ball: Annotated[IndexLine, NOT_KEPT]
     round: Annotated[IndexLine, NOT_KEPT]
-    held: Annotated[IndexLine, FLAG]
-    strike: Masses
-    hold: Masses
+    supported: Annotated[IndexLine, FLAG]
+    impact_masses: Masses
+    masses: Masses
     inertia: Matrices
     reach: Annotated[Line, NOT_KEPT]
     span: Annotated[Line, NOT_KEPT]
@@ -294,9 +294,9 @@ def make_memory(
     touching = max(ROOM, ROOM_PER_BODY * int(simulated.sum()))
     return Memory(
         received=np.zeros((n, 3)), moving=np.zeros(n, np.int64), asleep=np.zeros(n, np.int64), ball=ball, round=round_,
-        held=np.zeros(n, np.int64), strike=Masses(inverse_mass.copy(), inverse_inertia),
-        hold=Masses(np.where(simulated, inverse_mass, 0.0), inverse_inertia), inertia=np.zeros((n, 3, 3)), reach=reach, span=span,
-        trial=Poses(*(field.copy() for field in poses)),
+        supported=np.zeros(n, np.int64), impact_masses=Masses(inverse_mass.copy(), inverse_inertia),
+        masses=Masses(np.where(simulated, inverse_mass, 0.0), inverse_inertia), inertia=np.zeros((n, 3, 3)), reach=reach,
+        span=span, trial=Poses(*(field.copy() for field in poses)),
         paths=make_paths(dynamics.inertia.copy(), dynamics.inverse_inertia.copy(), round_), series=make_series(),
         contacts=make_contacts(
             touching, pace_of(dynamics.gravity), n, len(dynamics.drive.linkage.skeleton.kind), most_links(dynamics.drive)

@@ -23,7 +23,7 @@ from avatarsim.model.world import World, WorldParts
 from avatarsim.rigid.deferred_impacts import restore_deferred
 from avatarsim.rigid.impacts import resume_zeno, show_zeno
 from avatarsim.rigid.island_step import step
-from avatarsim.rigid.islands import behind
+from avatarsim.rigid.islands import next_island
 from avatarsim.rigid.sleeping import begin, regroup
 from avatarsim.rigid.state import (
     COUNT_NAMES,
@@ -65,7 +65,7 @@ def advance(
     Returns:
         A status (see DONE); DONE is 0.
     """
-    events.kept[0] = 0
+    events.used[0] = 0
     resume_zeno(velocities, memory)
     if begin(geometry, dynamics, poses, velocities, dt, memory, switches.sleeping) == 0:
         return DONE
@@ -75,7 +75,7 @@ def advance(
     if status == NOT_FINITE:
         return status
     for _ in range(STEPS_CAP * bodies):
-        i = behind(islands, dt, now, i if i < islands.found[0] else 0)
+        i = next_island(islands, dt, now, i if i < islands.found[0] else 0)
         if i < 0 or memory.horizon[0] == 0.0:
             break
         now = islands.due[islands.order[islands.first[i]]]
@@ -88,7 +88,7 @@ def advance(
     show_zeno(velocities, memory, dt)
     for b in range(bodies):
         if memory.moving[b] == 1:
-            if switches.sleeping and memory.held[b] == 1 and paths.kind[b] == STILL and memory.tail_end[b] < 0.0:
+            if switches.sleeping and memory.supported[b] == 1 and paths.kind[b] == STILL and memory.tail_end[b] < 0.0:
                 memory.asleep[b] = 1
             put_row(memory.trial.position, b, row(poses.position, b))
             put_columns(memory.trial.rotation, b, columns(poses.rotation, b))
@@ -151,7 +151,7 @@ class SimulatedLoop:
         drive, moving = self.world.drive, self._moving
         if len(moving) and (blocked := int((drive.blocked[moving] | drive.blocked_turn[moving]).sum())) > 0:
             found["blocked"] = blocked
-        if self.record and (lost := int(self.events.kept[0]) - len(self.events.time)) > 0:
+        if self.record and (lost := int(self.events.used[0]) - len(self.events.time)) > 0:
             found["events not recorded"] = lost
         return found
 

@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import Dynamics, Velocities, pull_on
+from avatarsim.model.dynamics import Dynamics, Velocities, gravity_on
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.contacts import Contacts, push_all, recall_forces, scale_impulses, speed_along, weigh_from
-from avatarsim.rigid.driven import follow_arcs, strikes_with
+from avatarsim.rigid.driven import approach_velocities, follow_arcs
 from avatarsim.rigid.energy_audit import kinetic_energy
 from avatarsim.rigid.link_rows import weigh_links
 from avatarsim.rigid.linkages import has_linkage, is_linked, move_linkages, show_linkages, weigh_linkages
-from avatarsim.rigid.margin_rows import aim_by_chords, aim_rows, find_rows, stand_off_of
+from avatarsim.rigid.margin_rows import aim_rows, correct_curvature, find_rows, stand_off_of
 from avatarsim.rigid.near_pieces import list_pieces_of, may_go
 from avatarsim.rigid.solver import BIAS, lay_out, passes, solve_contacts, take_motion, visits_of_sweep
 from avatarsim.rigid.state import CONTACTS, GUARDED, SOLVES, WORK, Memory
@@ -109,7 +109,7 @@ def fall_free(
             put_row(memory.linear_end, b, (0.0, 0.0, 0.0))
             put_row(memory.angular_end, b, (0.0, 0.0, 0.0))
             continue
-        put_row(memory.linear_end, b, along(row(velocities.linear, b), h, pull_on(dynamics, b)))
+        put_row(memory.linear_end, b, along(row(velocities.linear, b), h, gravity_on(dynamics, b)))
         put_row(memory.angular_end, b, row(velocities.angular, b))
         if memory.round[b] == 0:
             put_row(memory.angular_end, b, spin_after(dynamics, poses, b, row(velocities.angular, b), h))
@@ -193,7 +193,7 @@ def weigh_again(dynamics: Dynamics, poses: Poses, memory: Memory) -> None:
     for k in range(count):
         idle[k] = 1 if contacts.rows[k, BIAS] == -inf else 0
     weigh_links(dynamics, poses, memory, 0)
-    lay_out(contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end)
+    lay_out(contacts, memory.masses, 0, count, memory.linear_end, memory.angular_end)
     for k in range(count):
         if idle[k] == 1:
             contacts.rows[k, BIAS] = -inf
@@ -207,7 +207,7 @@ def put_targets(contacts: Contacts, first: int, count: int) -> None:
 
 
 @kernel
-def apply_kept(memory: Memory, count: int) -> None:
+def apply_impulses(memory: Memory, count: int) -> None:
     """Add the impulses that rows hold to the velocities; rows along which nothing moves hold none."""
     contacts = memory.contacts
     for k in range(count):
@@ -215,7 +215,7 @@ def apply_kept(memory: Memory, count: int) -> None:
             put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
         elif contacts.impulse[k, 0] != 0.0:
             p = row(contacts.impulse, k)
-            push_all(contacts, memory.hold, k, p, memory.linear_end, memory.angular_end)
+            push_all(contacts, memory.masses, k, p, memory.linear_end, memory.angular_end)
 
 
 @kernel
@@ -329,7 +329,7 @@ def kinetic_of(memory: Memory, members: Index, linear: Array, angular: Array) ->
     total = 0.0
     for m in range(members.shape[0]):
         if memory.moving[members[m]] == 1:
-            total += kinetic_energy(memory.hold, memory.inertia, members[m], linear, angular)
+            total += kinetic_energy(memory.masses, memory.inertia, members[m], linear, angular)
     return total
 
 
@@ -374,7 +374,7 @@ def gained(dynamics: Dynamics, velocities: Velocities, memory: Memory, members: 
     for m in range(members.shape[0]):
         b = members[m]
         if memory.moving[b] == 1:
-            found -= h * dot(pull_on(dynamics, b), row(memory.linear_end, b)) / memory.hold.inverse_mass[b]
+            found -= h * dot(gravity_on(dynamics, b), row(memory.linear_end, b)) / memory.masses.inverse_mass[b]
     return found
 
 
@@ -401,7 +401,7 @@ def lift_within_energy(
     if without > 0.0 and not has_linkage(dynamics, members):
         # not converged
         solve_contacts(
-            contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end, tolerance, SWEEPS, sweeps, memory.before,
+            contacts, memory.masses, 0, count, memory.linear_end, memory.angular_end, tolerance, SWEEPS, sweeps, memory.before,
             memory.direction,
         )
         without = gained(dynamics, velocities, memory, members, h)
@@ -414,7 +414,7 @@ def lift_within_energy(
     for k in range(count):
         p = row(contacts.impulse, k)
         put_row(contacts.impulse, k, along(p, share, sub(row(sub_.spare_impulse, k), p)))
-    lay_out(contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end)
+    lay_out(contacts, memory.masses, 0, count, memory.linear_end, memory.angular_end)
 
 
 @kernel
@@ -448,9 +448,9 @@ def solve_ways(
     count, d = contacts.used[0], stand_off_of(memory)
     fine = slow and sweeps_for(count) >= SWEEPS_OF_FINE and not has_linkage(dynamics, members)
     sweeps = sweeps_for(count) if fine else SWEEPS
-    weigh_from(contacts, memory.hold, 0.0, 0)
+    weigh_from(contacts, memory.masses, 0.0, 0)
     weigh_links(dynamics, poses, memory, 0)
-    strikes_with(dynamics, memory, members)
+    approach_velocities(dynamics, memory, members)
     for k in range(count):
         sub_.approach[k] = speed_along(contacts, k, 0, sub_.spare_linear, sub_.spare_angular)
     follow_arcs(dynamics, memory, h)
@@ -458,10 +458,10 @@ def solve_ways(
     tolerance = tolerance_of(memory, h, fine)
     recall_forces(contacts, memory.last)
     scale_impulses(contacts, h)
-    apply_kept(memory, count)
+    apply_impulses(memory, count)
     if has_linkage(dynamics, members) and move_linkages(dynamics, poses, memory, members):
         weigh_links(dynamics, poses, memory, 0)
-    lay_out(contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end)
+    lay_out(contacts, memory.masses, 0, count, memory.linear_end, memory.angular_end)
     solve(dynamics, poses, memory, members, h, tolerance, sweeps)
     lift_within_energy(dynamics, poses, velocities, memory, members, h, d, tolerance, sweeps)
     memory.counts[CONTACTS] = max(memory.counts[CONTACTS], count)
@@ -471,7 +471,7 @@ def solve_ways(
         put_row(sub_.wall, b, (0.0, 0.0, 0.0))
     note_pushed(memory)
     set_ways(geometry, dynamics, poses, velocities, memory, members, h)
-    if has_linkage(dynamics, members) and aim_by_chords(dynamics, memory, tolerance):
+    if has_linkage(dynamics, members) and correct_curvature(dynamics, memory, tolerance):
         put_targets(contacts, 0, count)
         solve(dynamics, poses, memory, members, h, tolerance, sweeps)
         note_pushed(memory)

@@ -117,8 +117,8 @@ def bulge_of_carried(memory: Memory, start: Poses, end: Poses, carrier: int, oth
     t, both = share * sub_.turn[carrier], share * (sub_.turn[carrier] + sub_.turn[other])
     before = sub(row(start.position, carrier), row(start.position, other))
     moved = norm(sub(sub(row(end.position, carrier), row(end.position, other)), before))
-    pull = (share * h) ** 2 * norm(sub(acceleration(memory.paths, carrier), acceleration(memory.paths, other)))
-    bulge = both * both * memory.reach[other] + t * t * (norm(before) + moved + pull) + 2.0 * t * (moved + pull) + pull
+    gain = (share * h) ** 2 * norm(sub(acceleration(memory.paths, carrier), acceleration(memory.paths, other)))
+    bulge = both * both * memory.reach[other] + t * t * (norm(before) + moved + gain) + 2.0 * t * (moved + gain) + gain
     return SAGITTA * float(bulge)
 
 
@@ -136,11 +136,11 @@ def stays_apart(
     turn = atan2(norm(cross(n, n_then)), dot(n, n_then))
     before = sub(row(start.position, a), row(start.position, b))
     moved = norm(sub(sub(row(end.position, a), row(end.position, b)), before))
-    pull = (share * h) ** 2 * norm(sub(acceleration(memory.paths, a), acceleration(memory.paths, b)))
+    gain = (share * h) ** 2 * norm(sub(acceleration(memory.paths, a), acceleration(memory.paths, b)))
     turn_a, turn_b = share * sub_.turn[a], share * sub_.turn[b]
     far = norm(before) + moved + memory.reach[a] + memory.reach[b]
-    faster = moved + pull + turn_a * memory.reach[a] + turn_b * memory.reach[b]
-    bulge = turn * turn * far + 2.0 * turn * faster + turn_a * turn_a * memory.reach[a] + turn_b * turn_b * memory.reach[b] + pull
+    faster = moved + gain + turn_a * memory.reach[a] + turn_b * memory.reach[b]
+    bulge = turn * turn * far + 2.0 * turn * faster + turn_a * turn_a * memory.reach[a] + turn_b * turn_b * memory.reach[b] + gain
     return least_between(gap, gap_then, SAGITTA * bulge) >= least
 
 
@@ -188,9 +188,9 @@ def query(geometry: Geometry, poses: Poses, memory: Memory, sa: int, sb: int, ma
 @kernel
 def speed_bound(memory: Memory, a: int, b: int, h: float) -> float:
     """Return the largest rate [m/s] at which the gap of bodies a and b can change in this substep."""
-    sub_, pull = memory.substeps, sub(acceleration(memory.paths, a), acceleration(memory.paths, b))
+    sub_, gain = memory.substeps, sub(acceleration(memory.paths, a), acceleration(memory.paths, b))
     turning = norm(row(sub_.turning, a)) * memory.reach[a] + norm(row(sub_.turning, b)) * memory.reach[b]
-    return float(norm(sub(row(sub_.way, a), row(sub_.way, b))) + h * norm(pull) + turning)
+    return float(norm(sub(row(sub_.way, a), row(sub_.way, b))) + h * norm(gain) + turning)
 
 
 @kernel
@@ -246,8 +246,8 @@ def certify_pieces(geometry: Geometry, poses: Poses, memory: Memory, q: int, h: 
     sa, sb = sub_.pieces[q, 0], sub_.pieces[q, 1]
     a, b = geometry.body[sa], geometry.body[sb]
     free = Refusal(True, 1.0, 0.0, NOWHERE, NOWHERE, NOWHERE)
-    pull = SAGITTA * h * h * norm(sub(acceleration(memory.paths, a), acceleration(memory.paths, b)))
-    if boxes_stay_apart(poses, trial, sa, sb, LEAST + sub_.bulge[a] + sub_.bulge[b] + pull):
+    gain = SAGITTA * h * h * norm(sub(acceleration(memory.paths, a), acceleration(memory.paths, b)))
+    if boxes_stay_apart(poses, trial, sa, sb, LEAST + sub_.bulge[a] + sub_.bulge[b] + gain):
         return free
     if sub_.state[q] != KNOWN:
         gap, n, _, _ = query(geometry, poses, memory, sa, sb, 1.0)

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collision.path import HELD, STILL
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import SIMULATED, Dynamics, Velocities, holder_of, pull_on
+from avatarsim.model.dynamics import SIMULATED, Dynamics, Velocities, gravity_on, holder_of
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.attached import move_together, put_on_link
 from avatarsim.rigid.link_rows import weigh_links
@@ -52,10 +52,10 @@ def set_ways(
         if is_linked(dynamics.drive, b):
             v, w = way_ahead(dynamics, poses, b, h)
         flies = sub_.pushed[b] == 0 and sub_.share[b] == 1.0 and not is_linked(dynamics.drive, b)
-        pull = pull_on(dynamics, b) if flies else (0.0, 0.0, 0.0)
-        put_row(paths.linear, b, pull)
+        gravity = gravity_on(dynamics, b) if flies else (0.0, 0.0, 0.0)
+        put_row(paths.linear, b, gravity)
         go_on_way(geometry, poses, memory, b, h, row(velocities.linear, b) if flies else v, w)
-        farthest = h * (norm(row(sub_.way, b)) + 0.5 * h * norm(pull)) + sub_.turn[b] * memory.span[b]
+        farthest = h * (norm(row(sub_.way, b)) + 0.5 * h * norm(gravity)) + sub_.turn[b] * memory.span[b]
         sub_.wider[b] = sub_.room[b]
         if farthest > sub_.room[b]:
             sub_.wider[b], wider = FARTHER * farthest, True
@@ -119,12 +119,10 @@ def certify_all(
         refused += 1
         sub_.near[holder_of(dynamics.drive, a)], sub_.near[holder_of(dynamics.drive, b)] = 1, 1
         if error > 0.0:
-            has_room = (
-                add_refused(geometry, dynamics, velocities, memory, memory.hold, q, refusal, h, d, error) and has_room
-            )
+            has_room = (add_refused(geometry, dynamics, velocities, memory, memory.masses, q, refusal, h, d, error) and has_room)
     if error > 0.0 and refused > 0:
         weigh_links(dynamics, poses, memory, first)
-        lay_out(memory.contacts, memory.hold, first, memory.contacts.used[0], memory.linear_end, memory.angular_end)
+        lay_out(memory.contacts, memory.masses, first, memory.contacts.used[0], memory.linear_end, memory.angular_end)
     return refused, has_room
 
 
@@ -245,7 +243,7 @@ def weigh_groups(memory: Memory, members: Index) -> None:
         b = members[m]
         i = leader_of(sub_, b)
         if i != FIXED_GROUP and memory.moving[b] == 1:
-            mass = (1.0 - sub_.share[b]) / memory.hold.inverse_mass[b]
+            mass = (1.0 - sub_.share[b]) / memory.masses.inverse_mass[b]
             sub_.mass[i] += mass
             put_row(sub_.mean, i, along(row(sub_.mean, i), mass, row(memory.linear_end, b)))
     for m in range(members.shape[0]):
@@ -283,11 +281,12 @@ def lower_rises(
     sub_ = memory.substeps
     for m in range(members.shape[0]):
         b = members[m]
-        v, pull = row(sub_.way, b), pull_on(dynamics, b)
-        fall = dot(pull, v)
+        v, gravity = row(sub_.way, b), gravity_on(dynamics, b)
+        fall = dot(gravity, v)
         sub_.changed[b] = memory.moving[b] * sub_.pushed[b] if fall < 0.0 else 0
         if sub_.changed[b] == 1:
-            go_on_way(geometry, poses, memory, b, h, along(v, -(1.0 - part) * fall / dot(pull, pull), pull), row(sub_.turning, b))
+            slower = along(v, -(1.0 - part) * fall / dot(gravity, gravity), gravity)
+            go_on_way(geometry, poses, memory, b, h, slower, row(sub_.turning, b))
 
 
 @kernel

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from avatarsim.collision.ellipsoid import bends_out, least_bend, least_cosine, least_share, rolling_radius
+from avatarsim.collision.ellipsoid import is_depth_kept, least_cosine, least_curvature, least_share, rolling_radius
 from avatarsim.spatial.vec3 import Vec3
 from tests.collision.solids import Solid, as_arrays, ball, ellipsoid, random_hull
 
@@ -57,7 +57,7 @@ def test_the_bend_is_nowhere_less_than_claimed(seed):
     m = rng.normal(size=3)
     m /= np.linalg.norm(m)
     angle = 10.0 ** rng.uniform(-2.0, np.log10(1.5))
-    bend = least_bend(vertices, shapes, 0, 1, vec(m), float(np.cos(angle)))
+    bend = least_curvature(vertices, shapes, 0, 1, vec(m), float(np.cos(angle)))
     _, w = reach(a, b, m)
     d = units_near(rng, m, angle)
     assert (reach(a, b, d)[0] >= d @ w + bend * (1.0 - d @ m) - 1e-12).all()
@@ -76,17 +76,17 @@ def test_no_direction_of_a_settled_cone_is_lower(seed):
     lowest = reach(a, b, units_near(rng, m, angle))[0].min()
     cos = float(np.cos(angle))
     below, size = height - lowest, max(a.size, b.size)
-    assert not bends_out(vertices, shapes, 0, 1, vec(m), vec(w), cos, lowest + 1e-9 * size)
+    assert not is_depth_kept(vertices, shapes, 0, 1, vec(m), vec(w), cos, lowest + 1e-9 * size)
     # Far enough below it is settled: the bound of the point at m alone, with no bend at all.
     across = float(np.linalg.norm(w - height * m))
     flat = height * cos - across * np.sqrt(1.0 - cos * cos)
-    assert bends_out(vertices, shapes, 0, 1, vec(m), vec(w), cos, min(flat, -across, height) - below - 1e-9 * size)
+    assert is_depth_kept(vertices, shapes, 0, 1, vec(m), vec(w), cos, min(flat, -across, height) - below - 1e-9 * size)
 
 
 def test_a_ball_bends_by_its_radius():
     vertices, shapes = as_arrays(ellipsoid(0.5, 0.5, 0.5), random_hull(np.random.default_rng(1), 8).moved(scale=1e-3))
     for cos in (0.0, 0.3, 0.999):
-        assert least_bend(vertices, shapes, 0, 1, (0.0, 0.6, 0.8), cos) == pytest.approx(0.5, abs=1e-15)
+        assert least_curvature(vertices, shapes, 0, 1, (0.0, 0.6, 0.8), cos) == pytest.approx(0.5, abs=1e-15)
     assert least_cosine(vertices, shapes, 0, 1, (0.0, 0.6, 0.8), 0.499) == 0.0
     assert least_cosine(vertices, shapes, 0, 1, (0.0, 0.6, 0.8), 0.501) == 2.0
     assert least_share(vertices, shapes, 1, (0.0, 0.6, 0.8), (0.0, 0.0, 0.0), 0.5) == 0.0

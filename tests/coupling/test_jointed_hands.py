@@ -168,7 +168,7 @@ def linkage_of(avatar: Avatar, start: TrackerSample, h: float) -> tuple[World, M
     memory.linear_end[:], memory.angular_end[:] = np.random.default_rng(2).normal(size=(2, links, 3))
     wanted = np.hstack([memory.linear_end, memory.angular_end]).ravel()
     weights = np.hstack([
-        np.tile(1.0 / memory.hold.inverse_mass[:, None], (1, 3)), np.tile(memory.inertia[:, :1, 0], (1, 3)),
+        np.tile(1.0 / memory.masses.inverse_mass[:, None], (1, 3)), np.tile(memory.inertia[:, :1, 0], (1, 3)),
     ]).ravel()
     weigh_linkages(world.dynamics, poses, memory, np.arange(links), h)
     return world, memory, jacobian.reshape(6 * links, degrees), weights, wanted
@@ -194,7 +194,7 @@ def test_joints_leave_the_nearest_velocities_that_they_allow(which: int) -> None
     a, b, arms = int(links[-1]), 1, np.array([[0.02, 0.01, -0.03], [0.0, 0.05, 0.01]])
     n = np.array([0.6, 0.0, 0.8])
     add_contact(contacts, a, b, 0, tuple(n), tuple(arms[0]), tuple(arms[1]), 0.0)
-    weigh(contacts, memory.hold)
+    weigh(contacts, memory.masses)
     weigh_links(world.dynamics, world.poses, memory, 0)
     assert contacts.responses.used[0] == 1
     push = np.zeros(len(weights))
@@ -202,7 +202,7 @@ def test_joints_leave_the_nearest_velocities_that_they_allow(which: int) -> None
         push[6 * body : 6 * body + 6] += sign * np.hstack([n, np.cross(arm, n)])
     response = jacobian @ np.linalg.solve((jacobian.T * weights) @ jacobian, jacobian.T @ push)
     assert contacts.inverse_effective_mass[0, 0] == pytest.approx(push @ response, rel=1e-6)
-    lay_out(contacts, memory.hold, 0, 1, memory.linear_end, memory.angular_end)
+    lay_out(contacts, memory.masses, 0, 1, memory.linear_end, memory.angular_end)
     show_linkages(world.drive, contacts, memory, links)
     apply_to_links(contacts, 0, (0.5, 0.0, 0.0))
     moved = np.hstack([contacts.motion[:, :3], contacts.motion[:, 4:7]]).ravel()
@@ -222,7 +222,7 @@ def test_joints_stop_at_their_limits(which: int) -> None:
     world, memory, _, _, _ = linkage_of(*avatars()[which], 1.0)
     linkage = world.drive.linkage
     move_linkages(world.dynamics, world.poses, memory, np.arange(len(world.skeleton.kind)))
-    rate, bounds, held = linkage.rate, linkage.bounds, linkage.held == 1
+    rate, bounds, held = linkage.rate, linkage.bounds, linkage.at_limit == 1
     assert held.any()
     assert (rate >= bounds[:, 0] - 1e-9).all() and (rate <= bounds[:, 1] + 1e-9).all()
     left = linkage.momentum - linkage.matrix @ rate

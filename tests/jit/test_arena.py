@@ -100,9 +100,9 @@ def test_no_two_arrays_overlap_unless_they_were_one() -> None:
 def test_aliases_of_the_upper_loop_live_on() -> None:
     world = build(SCENE)
     memory = make_upper_memory(world.geometry, world.dynamics, world.poses)
-    assert memory.strike.inverse_inertia is memory.hold.inverse_inertia
+    assert memory.impact_masses.inverse_inertia is memory.masses.inverse_inertia
     views = pack((memory,))[1][0]
-    assert same_memory(views.strike.inverse_inertia, views.hold.inverse_inertia)
+    assert same_memory(views.impact_masses.inverse_inertia, views.masses.inverse_inertia)
     assert same_memory(views.round, views.paths.round)
 
 

@@ -86,7 +86,7 @@ def test_point_contacts_move_as_the_next_query_says(one: str, other: str) -> Non
             # from an edge to a corner or a face meanwhile
             continue
         tried += 1
-        assert contacts.bend[0] @ n == pytest.approx(bend, abs=2e-3 * scale)
+        assert contacts.bias_acceleration[0] @ n == pytest.approx(bend, abs=2e-3 * scale)
         across = np.eye(3) - np.outer(n, n)
         slips = [
             linear[0] + np.cross(angular[0], x[2] - start[0] - s * MOMENT * linear[0])
@@ -94,7 +94,7 @@ def test_point_contacts_move_as_the_next_query_says(one: str, other: str) -> Non
             for s, x in ((-1.0, before), (1.0, after))
         ]
         np.testing.assert_allclose(
-            across @ contacts.bend[0], across @ (slips[1] - slips[0]) / (2.0 * MOMENT), atol=2e-3 * scale
+            across @ contacts.bias_acceleration[0], across @ (slips[1] - slips[0]) / (2.0 * MOMENT), atol=2e-3 * scale
         )
         if contacts.smooth[0] == TWO_BALLS:
             continue

@@ -226,7 +226,7 @@ def held(bodies: list, friction: float) -> bool:
         for i in range(3):
             for k in range(3):
                 memory.inertia[b, i, k] = world.dynamics.inertia[b, i, k]
-        memory.hold.inverse_inertia[b] = world.poses.rotation[b] @ world.dynamics.inverse_inertia[b] @ world.poses.rotation[b].T
+        memory.masses.inverse_inertia[b] = world.poses.rotation[b] @ world.dynamics.inverse_inertia[b] @ world.poses.rotation[b].T
     return bool(holds_from_rest(
         world.geometry, world.dynamics, world.poses, world.velocities, memory, members, DT / 4.0
     ))

@@ -14,8 +14,8 @@ from avatarsim.rigid.contacts import (
 )
 from avatarsim.rigid.solver import (
     change,
+    conjugate_step,
     gauss_seidel_sweep,
-    go_on_along,
     lay_out,
     take_motion,
     wanted_friction,
@@ -86,7 +86,7 @@ def test_all_go_on_along_the_last_way() -> None:
         else:
             wanted[k] = direction[k]
     lay_out(contacts, masses, 0, POINTS, linear, angular)
-    go_on_along(contacts, 0, POINTS, 0.7, before, direction)
+    conjugate_step(contacts, 0, POINTS, 0.7, before, direction)
     take_motion(contacts, 0, POINTS, linear, angular)
     for ours, theirs in ((contacts.impulse, twin.impulse), (linear, v), (angular, w), (direction, wanted)):
         np.testing.assert_allclose(ours, theirs, rtol=1e-12, atol=1e-12)

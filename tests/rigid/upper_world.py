@@ -100,7 +100,7 @@ class World:
             Switches(**{"record": True, **switches}),
         )
         e = self.events
-        for k in range(0, min(int(e.kept[0]), self.room), 2):
+        for k in range(0, min(int(e.used[0]), self.room), 2):
             pair = (int(e.pair[k, 0]), int(e.pair[k, 1]))
             states = [x.copy() for x in (e.linear[k], e.angular[k], e.linear[k + 1], e.angular[k + 1])]
             self.impacts.append((self.time + e.time[k], pair, states[0], states[1], states[2], states[3]))
