@@ -2,7 +2,7 @@
 
 In the solve of all contacts mass, momentum and weight of an attached body are added to those of its link, and contacts of the
 body are contacts of the link. It moves to its place on the link where forward kinematics has that at the end of a substep, along
-a way of its own that is certified like all others.
+a motion of its own that is certified like all others.
 """
 
 import numpy as np

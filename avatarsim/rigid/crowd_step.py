@@ -38,19 +38,26 @@ from avatarsim.rigid.substep import (
     CUTS,
     FRAME_VISITS,
     ROUNDS,
-    find_free_ways,
-    forget_ways,
+    find_free_motions,
+    forget_motions,
     is_slow,
     leave_shares,
     length_of,
     rebound,
     relax,
-    solve_ways,
+    solve_motions,
     take_step,
     tolerance_of,
     visits_left,
 )
-from avatarsim.rigid.ways import certify_all, keep_ways, lower_rises, recall_ways, scale_velocities, scale_ways
+from avatarsim.rigid.substep_motion import (
+    certify_all,
+    lower_rises,
+    restore_motions,
+    scale_motions,
+    scale_velocities,
+    store_motions,
+)
 from avatarsim.spatial.vec3 import dot, put_row, row
 from avatarsim.tolerances import GRAIN
 
@@ -63,13 +70,13 @@ MANY = CAREFUL_VISITS // (2 * SWEEPS)
 """Contact points for which the exact path has time for all sweeps of a resting solve."""
 
 CROWDED, UNPROVED = -2, -3
-"""Outcomes: there is no room for the pairs of pieces of an island; its ways are not proved."""
+"""Outcomes: there is no room for the pairs of pieces of an island; its motions are not proved."""
 
 REGROUPS = ROUNDS
 """Times that boxes and islands are made anew in a substep. Fewer: substeps are cut short where bodies change their velocities."""
 
 RESTLESS = 2 * REGROUPS
-"""Segments of an island in a frame after which its boxes only grow. Without it a body whose way changes with each solve can join
+"""Segments of an island in a frame after which boxes only grow. Without it a body whose motion changes at each solve can join
 and leave the island at one instant without end. Fewer: islands are larger than needed; more: such frames take longer."""
 
 
@@ -93,20 +100,20 @@ def has_driven(dynamics: Dynamics, members: Index) -> tuple[bool, bool]:
 
 
 @kernel
-def put_ways(velocities: Velocities, memory: Memory, members: Index) -> None:
-    """Keep the velocities of the members as those before the step, and put those of their ways in their place."""
+def use_motion_velocities(velocities: Velocities, memory: Memory, members: Index) -> None:
+    """Keep the velocities of the members as those before the step, and put those of their motions in their place."""
     for m in range(members.shape[0]):
         b = members[m]
         put_row(memory.substeps.spare_linear, b, row(velocities.linear, b))
         put_row(memory.substeps.spare_angular, b, row(velocities.angular, b))
         if memory.moving[b] == 1:
-            put_row(velocities.linear, b, row(memory.substeps.way, b))
+            put_row(velocities.linear, b, row(memory.substeps.velocity, b))
             put_row(velocities.angular, b, row(memory.substeps.turning, b))
 
 
 @kernel
 def put_back(velocities: Velocities, memory: Memory, members: Index) -> None:
-    """Undo `put_ways`."""
+    """Undo `use_motion_velocities`."""
     for m in range(members.shape[0]):
         put_row(velocities.linear, members[m], row(memory.substeps.spare_linear, members[m]))
         put_row(velocities.angular, members[m], row(memory.substeps.spare_angular, members[m]))
@@ -118,7 +125,7 @@ def try_rest(
     now: float, h: float, untried: bool,
 ) -> bool:
     """Let the members stand still for the rest of the frame if their contacts hold them, or ``untried`` in any case."""
-    put_ways(velocities, memory, members)
+    use_motion_velocities(velocities, memory, members)
     supported = holds_from_rest(geometry, dynamics, poses, velocities, memory, members, h) or untried
     # if in vain, the next try starts from these forces
     remember_forces(memory.contacts, h, members, memory.last)
@@ -131,11 +138,11 @@ def try_rest(
 
 
 @kernel
-def prove_ways(
+def certify_motions(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, now: float,
     dt: float, h: float, fine: bool, at_last: bool,
 ) -> int:
-    """Find ways of the members that stay in their promised boxes and are proved free.
+    """Find motions of the members that stay in their promised boxes and are proved free.
 
     Where they leave their boxes these are made anew, and the islands. As long as no other body joins, the members continue
     together, in whichever islands they are now.
@@ -145,7 +152,7 @@ def prove_ways(
     """
     proved = False
     for _ in range(REGROUPS):
-        put_ways(velocities, memory, members)
+        use_motion_velocities(velocities, memory, members)
         kept = all_keep(poses, velocities, memory, members, h)
         if not kept:
             widens = memory.islands.spent[members[0]] > RESTLESS
@@ -161,7 +168,7 @@ def prove_ways(
             break
         if not kept and not list_pieces_of(geometry, poses, memory, members):
             return CROWDED
-        if not find_free_ways(geometry, dynamics, poses, velocities, memory, members, h, fine, at_last):
+        if not find_free_motions(geometry, dynamics, poses, velocities, memory, members, h, fine, at_last):
             return UNPROVED
         proved = True
     return DONE
@@ -174,7 +181,7 @@ def rises_of(dynamics: Dynamics, memory: Memory, members: Index, h: float) -> tu
     for m in range(members.shape[0]):
         b = members[m]
         if memory.moving[b] == 1 and sub_.pushed[b] == 1:
-            risen = -h * dot(gravity_on(dynamics, b), row(sub_.way, b)) / memory.masses.inverse_mass[b]
+            risen = -h * dot(gravity_on(dynamics, b), row(sub_.velocity, b)) / memory.masses.inverse_mass[b]
             rises, falls = rises + max(0.0, risen), falls + min(0.0, risen)
     return rises, falls
 
@@ -199,7 +206,7 @@ def pay_for_rise(
     gain += rises + falls - kinetic
     if not (gain > 0.0 and rises > 0.0) or not (slow or rises + falls > kinetic):
         return
-    keep_ways(memory, members)
+    store_motions(memory, members)
     lower_rises(geometry, dynamics, poses, memory, members, h, max(0.0, 1.0 - gain / rises))
     for attempt in range(ROUNDS):
         for m in range(members.shape[0]):
@@ -207,15 +214,15 @@ def pay_for_rise(
         refused, _ = certify_all(geometry, dynamics, poses, velocities, memory, h, 0.0, 0.0)
         if refused == 0:
             break
-        recall_ways(geometry, poses, memory, members, h, attempt < ROUNDS - 1)
+        restore_motions(geometry, poses, memory, members, h, attempt < ROUNDS - 1)
     rises, falls = rises_of(dynamics, memory, members, h)
     if rises + falls > kinetic:
         part = kinetic / (rises + falls)
-        keep_ways(memory, members)
-        scale_ways(geometry, dynamics, poses, memory, members, h, part)
+        store_motions(memory, members)
+        scale_motions(geometry, dynamics, poses, memory, members, h, part)
         refused, _ = certify_all(geometry, dynamics, poses, velocities, memory, h, 0.0, 0.0)
         if refused > 0:
-            recall_ways(geometry, poses, memory, members, h, False)
+            restore_motions(geometry, poses, memory, members, h, False)
         else:
             scale_velocities(dynamics, memory, members, part)
 
@@ -246,11 +253,11 @@ def resolve_driven_impacts(
 
 
 @kernel
-def find_ways(
+def find_motions(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, now: float,
     dt: float, h: float, slow: bool,
 ) -> tuple[int, float, bool]:
-    """Solve and prove a substep of h seconds, or of halves of it if its ways cannot be proved.
+    """Solve and prove a substep of h seconds, or of halves of it if its motions cannot be proved.
 
     Returns (a status, or AGAIN or CROWDED; length of the substep [s]; whether it was solved finer).
     """
@@ -258,13 +265,13 @@ def find_ways(
     for cut in range(CUTS + 1):
         for _ in range(ROUNDS):
             aim_all(dynamics, poses, velocities, memory, members, now, dt, h)
-            has_room, fine = solve_ways(geometry, dynamics, poses, velocities, memory, members, h, slow)
+            has_room, fine = solve_motions(geometry, dynamics, poses, velocities, memory, members, h, slow)
             if not has_room:
                 return CROWDED, h, fine
             if not bound_forces(dynamics, poses, memory, members, now, dt, h):
                 break
         at_last = cut == CUTS or slow or visits_left(memory) < FRAME_VISITS // 2
-        found = prove_ways(geometry, dynamics, poses, velocities, memory, members, now, dt, h, fine, at_last)
+        found = certify_motions(geometry, dynamics, poses, velocities, memory, members, now, dt, h, fine, at_last)
         if found != UNPROVED:
             break
         h *= 0.5
@@ -272,12 +279,12 @@ def find_ways(
 
 
 @kernel
-def go_ways(
+def follow_motions(
     geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory, members: Index, now: float, h: float
 ) -> float:
-    """Take the members along their ways for h seconds, or as long as they stay in their promised boxes; return how long."""
+    """Take the members along their motions for h seconds, or as long as they stay in their promised boxes; return how long."""
     islands, until = memory.islands, h
-    put_ways(velocities, memory, members)
+    use_motion_velocities(velocities, memory, members)
     while not all_keep(poses, velocities, memory, members, until):
         until *= 0.5
     depart(poses, velocities, memory, members, now)
@@ -316,9 +323,9 @@ def crowd_step(
             islands.due[members[m]] = dt
         return DONE
     slow = pairs.shape[0] <= FEW or is_slow(velocities, memory, members)
-    status, h, fine = find_ways(geometry, dynamics, poses, velocities, memory, members, now, dt, h, slow)
+    status, h, fine = find_motions(geometry, dynamics, poses, velocities, memory, members, now, dt, h, slow)
     if status in (AGAIN, NOT_FINITE, CROWDED):
-        forget_ways(memory, members)
+        forget_motions(memory, members)
     if status == AGAIN or status == NOT_FINITE:
         return status
     if status == CROWDED:
@@ -332,7 +339,7 @@ def crowd_step(
     rebound(dynamics, poses, memory, members, h, tolerance_of(memory, h, fine))
     leave_shares(dynamics, memory, members)
     pay_for_rise(geometry, dynamics, poses, velocities, memory, members, h, slow)
-    until = go_ways(geometry, poses, velocities, memory, members, now, h)
+    until = follow_motions(geometry, poses, velocities, memory, members, now, h)
     step_joints(dynamics, members, until / h)
     take_step(velocities, memory, members)
     note_load(dynamics, memory)

@@ -91,9 +91,7 @@ def step(
         kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, True)
         worst = project_positions(geometry, dynamics, poses, velocities, pairs, memory)
         after, lifted = energy_of(dynamics, poses, velocities, memory, members, True)
-        take_back(
-            after + lifted - kinetic - potential, after, members, memory.supported, velocities.linear, velocities.angular
-        )
+        take_back(after + lifted - kinetic - potential, after, members, memory.supported, velocities.linear, velocities.angular)
         for m in range(size):
             memory.corrected[members[m]] = now
         found = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt, False)

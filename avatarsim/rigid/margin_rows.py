@@ -1,7 +1,7 @@
 """Contact rows of a substep: speculative contacts (Catto, Continuous Collision, GDC 2013) with a stand-off, and refused pairs.
 
 Each near pair of pieces gives the points of its manifold that may close within the substep. A row requires that its gap closes no
-further than to the stand-off. A pair whose certificate fails gets rows where it is nearest on its way, the deepest point in any
+further than to the stand-off. A pair whose certificate fails gets rows where it comes nearest, the deepest point in any
 case, which require the least gap that can be proved and no more: bodies wedged between two others have no room for a stand-off.
 """
 
@@ -87,9 +87,7 @@ def closing_bound(memory: Memory, a: int, b: int) -> float:
 
 
 @kernel
-def find_rows(
-    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, h: float
-) -> None:
+def find_rows(geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, h: float) -> None:
     """Fill ``memory.contacts`` with the rows of all listed pairs of pieces for a substep of h seconds, as far as there is room.
 
     Pairs whose rows have no room are refused by their certificate, if they come too near.
@@ -230,12 +228,12 @@ def add_refused(
     geometry: Geometry, dynamics: Dynamics, velocities: Velocities, memory: Memory, masses: Masses, q: int, refusal: Refusal,
     h: float, d: float, error: float,
 ) -> bool:
-    """Append rows of refused pair q where it is nearest on its way, for a stand-off d [m]; False without room.
+    """Append rows of refused pair q where it is nearest on its motion, for a stand-off d [m]; False without room.
 
     They require the gap that is to be proved and ``error`` [m], the solver's tolerance. No more: bodies wedged between two others
     have no room, and to lift costs energy.
 
-    Rows of bodies without joints use the velocities of their ways. Rows of links use the rates of the joints, which the solve
+    Rows of bodies without joints use the velocities of their motions. Rows of links use the rates of the joints, which the solve
     changes; the difference between the two is assumed to stay as it is. A corner of a face that is farther away requires its
     share of the stand-off, as a row of the start does.
     """
@@ -259,7 +257,7 @@ def add_refused(
     for k in range(first, contacts.used[0]):
         contacts.friction[k], contacts.key[k] = 0.0, -1
         gravity = dot(axis(contacts, k, 0), sub(acceleration(memory.paths, a), acceleration(memory.paths, b)))
-        speed = speed_along(contacts, k, 0, sub_.way, sub_.turning) + curvature_speed(dynamics, memory, k)
+        speed = speed_along(contacts, k, 0, sub_.velocity, sub_.turning) + curvature_speed(dynamics, memory, k)
         gap = contacts.gap[k] - after * (speed + 0.5 * after * gravity)
         contacts.gap[k] = gap
         if gap > LOWER * d:
@@ -271,13 +269,13 @@ def add_refused(
 
 @kernel
 def curvature_speed(dynamics: Dynamics, memory: Memory, k: int) -> float:
-    """Return how much faster [m/s] links of row k part by the rates of their joints than along the chord of their way."""
+    """Return how much faster [m/s] links of row k part by the rates of their joints than along the chord of their motion."""
     sub_, contacts, n, found = memory.substeps, memory.contacts, axis(memory.contacts, k, 0), 0.0
     for side in range(2):
         b = contacts.body[k, side]
         if is_linked(dynamics.drive, b):
             jacobian = row(contacts.jacobian_a[k], 0) if side == 0 else row(contacts.jacobian_b[k], 0)
-            straight = sub(row(memory.linear_end, b), row(sub_.way, b))
+            straight = sub(row(memory.linear_end, b), row(sub_.velocity, b))
             turning = sub(row(memory.angular_end, b), row(sub_.turning, b))
             speed = dot(n, straight) + dot(jacobian, turning)
             found += speed if side == 0 else -speed
@@ -286,7 +284,7 @@ def curvature_speed(dynamics: Dynamics, memory: Memory, k: int) -> float:
 
 @kernel
 def correct_curvature(dynamics: Dynamics, memory: Memory, tolerance: float) -> bool:
-    """Correct the targets of rows for the curvature of the ways of links: by how much less these part along their chords than by
+    """Correct the targets of rows for the curvature of the motions of links: how much less these part along their chords than by
     the rates of their joints (second-order correction: Nocedal and Wright 2006, section 15.6).
 
     Returns whether a chord misses the target of its row by more than ``tolerance`` [m/s], so that another solve is needed.
@@ -295,7 +293,7 @@ def correct_curvature(dynamics: Dynamics, memory: Memory, tolerance: float) -> b
     for k in range(sub_.lasting[0]):
         if contacts.target[k] == -inf:
             continue
-        misses = misses or speed_along(contacts, k, 0, sub_.way, sub_.turning) < contacts.target[k] - tolerance
+        misses = misses or speed_along(contacts, k, 0, sub_.velocity, sub_.turning) < contacts.target[k] - tolerance
         if contacts.impulse[k, 0] > 0.0:
             # what is lifted stays so
             contacts.target[k] = max(contacts.target[k], speed_along(contacts, k, 0, memory.linear_end, memory.angular_end))

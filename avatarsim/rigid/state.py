@@ -132,7 +132,7 @@ STATUS_NAMES = ("done", "out of segments", "out of impacts", "out of room", "squ
 ) = range(14)
 """Rows of `Memory.counts`: stretches between events, impacts, blocks shortened by the energy guard, segments whose energy gain
 was taken back, time-of-impact searches, resting solves, those that missed their accuracy, position projections, broad phases,
-most contacts of an island, most islands, substeps of crowds, bodies that went less than their way in one, and work in units of
+most contacts of an island, most islands, substeps of crowds, bodies that went less than their motion in one, and work in units of
 about a tenth of a microsecond."""
 
 COUNT_NAMES = (

@@ -1,8 +1,8 @@
 """Certified substep of a crowd: an island whose events are too many to be taken one after the other.
 
 Velocities without contact -> contact rows with a stand-off -> one solve for all, and another where links turn so far that their
-chords part less than their rates -> ways of the bodies, each pair of which is proved free over the whole substep; pairs that are
-not become rows, and the solve is repeated -> pairs still refused go less of their way -> velocities without the push, with
+chords part less than their rates -> motions of the bodies, each pair of which is proved free over the substep; pairs that are
+not become rows, and the solve is repeated -> pairs still refused go less of their motion -> velocities without the push, with
 restitution -> next poses.
 """
 
@@ -23,8 +23,8 @@ from avatarsim.rigid.margin_rows import aim_rows, correct_curvature, find_rows, 
 from avatarsim.rigid.near_pieces import list_pieces_of, may_go
 from avatarsim.rigid.solver import BIAS, lay_out, passes, solve_contacts, take_motion, visits_of_sweep
 from avatarsim.rigid.state import CONTACTS, GUARDED, SOLVES, WORK, Memory
+from avatarsim.rigid.substep_motion import certify_all, set_motions, shared, shorten_motions, weigh_groups
 from avatarsim.rigid.swept_certificate import LEAST, least_of
-from avatarsim.rigid.ways import certify_all, set_ways, shared, shorten_ways, weigh_groups
 from avatarsim.spatial.tangent import columns, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, put_row, row, scale, solved, sub
 from avatarsim.tolerances import FINE, ROUNDING
@@ -55,8 +55,8 @@ the least double sweeps of a solve, and those for restitution. Fewer: bodies of 
 heap lands take longer."""
 
 CUTS = 1
-"""Times that a substep of an island that can be solved finer is halved and solved anew where its ways cannot be proved, before
-ways are shortened instead. Fewer: struck bodies lose momentum; more: frames in which that happens take longer."""
+"""Times that a substep of an island that can be solved finer is halved and solved anew where its motions cannot be proved, before
+motions are shortened instead. Fewer: struck bodies lose momentum; more: frames in which that happens take longer."""
 
 ROUNDS = 6
 """Solves of a substep, each with rows of the pairs refused in the last; and of one solve while joints come to their limits or
@@ -96,9 +96,7 @@ def sweeps_for(count: int) -> int:
 
 
 @kernel
-def fall_free(
-    dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float
-) -> None:
+def fall_free(dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float) -> None:
     """Compute velocities of the members after h seconds without contact, into ``linear_end``, ``angular_end``.
 
     Driven bodies have what `driven.aim` gave them, or stand.
@@ -160,9 +158,7 @@ def visits_left(memory: Memory) -> int:
 
 
 @kernel
-def solve(
-    dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, tolerance: float, sweeps: int
-) -> None:
+def solve(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, tolerance: float, sweeps: int) -> None:
     """Solve all rows that are laid out and have a target; ``linear_end`` and ``angular_end`` change."""
     contacts, count, active = memory.contacts, memory.contacts.used[0], 0
     for k in range(count):
@@ -240,11 +236,11 @@ def spread_from_refused(memory: Memory, hops: int) -> None:
 
 
 @kernel
-def find_free_ways(
+def find_free_motions(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float,
     fine: bool, at_last: bool,
 ) -> bool:
-    """Find ways of the members that are proved free: rows for refused pairs and another solve; ``at_last`` shorter ways.
+    """Find motions of the members that are proved free: rows for refused pairs and another solve; ``at_last`` shorter motions.
 
     Returns whether they are found.
     """
@@ -269,15 +265,15 @@ def find_free_ways(
         sweeps = sweeps_for(count) if fine else SWEEPS * (1 + turn)
         solve(dynamics, poses, memory, members, h, 0.25 * tolerance, sweeps)
         note_pushed(memory)
-        set_ways(geometry, dynamics, poses, velocities, memory, members, h)
+        set_motions(geometry, dynamics, poses, velocities, memory, members, h)
     if at_last:
-        shorten_ways(geometry, dynamics, poses, velocities, memory, members, h)
+        shorten_motions(geometry, dynamics, poses, velocities, memory, members, h)
     return at_last
 
 
 @kernel
 def relax(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, fine: bool) -> None:
-    """Solve again without lifts and without the gaps required of refused pairs: velocities lose the push that ways had."""
+    """Solve again without lifts and without the gaps required of refused pairs: velocities lose the push that motions had."""
     contacts, count = memory.contacts, memory.contacts.used[0]
     aim_rows(contacts, count, stand_off_of(memory), h, False)
     put_targets(contacts, 0, count)
@@ -335,7 +331,7 @@ def kinetic_of(memory: Memory, members: Index, linear: Array, angular: Array) ->
 
 @kernel
 def leave_shares(dynamics: Dynamics, memory: Memory, members: Index) -> None:
-    """Reduce the relaxed velocities as far as the ways were shortened."""
+    """Reduce the relaxed velocities as far as the motions were shortened."""
     weigh_groups(memory, members)
     for m in range(members.shape[0]):
         b = members[m]
@@ -352,16 +348,16 @@ def take_step(velocities: Velocities, memory: Memory, members: Index) -> None:
         if memory.moving[b] == 1:
             put_row(velocities.linear, b, row(memory.linear_end, b))
             put_row(velocities.angular, b, row(memory.angular_end, b))
-    forget_ways(memory, members)
+    forget_motions(memory, members)
 
 
 @kernel
-def forget_ways(memory: Memory, members: Index) -> None:
-    """Let the members stand still until they have other ways."""
+def forget_motions(memory: Memory, members: Index) -> None:
+    """Let the members stand still until they have other motions."""
     sub_ = memory.substeps
     for m in range(members.shape[0]):
         b = members[m]
-        put_row(sub_.way, b, (0.0, 0.0, 0.0))
+        put_row(sub_.velocity, b, (0.0, 0.0, 0.0))
         put_row(sub_.turning, b, (0.0, 0.0, 0.0))
         sub_.turn[b], sub_.bulge[b] = 0.0, 0.0
 
@@ -427,11 +423,11 @@ def keep_spare(memory: Memory, members: Index) -> None:
 
 
 @kernel
-def solve_ways(
+def solve_motions(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index,
     h: float, slow: bool,
 ) -> tuple[bool, bool]:
-    """Run the first solve of a substep of h seconds, and the ways that follow; return whether there was room for all contacts,
+    """Run the first solve of a substep of h seconds, and the motions that follow; return whether there was room for all contacts,
     and whether it was solved finer."""
     sub_, contacts = memory.substeps, memory.contacts
     fall_free(dynamics, poses, velocities, memory, members, h)
@@ -470,10 +466,10 @@ def solve_ways(
         sub_.share[b], sub_.group[b], sub_.pushed[b] = 1.0, b, 0
         put_row(sub_.wall, b, (0.0, 0.0, 0.0))
     note_pushed(memory)
-    set_ways(geometry, dynamics, poses, velocities, memory, members, h)
+    set_motions(geometry, dynamics, poses, velocities, memory, members, h)
     if has_linkage(dynamics, members) and correct_curvature(dynamics, memory, tolerance):
         put_targets(contacts, 0, count)
         solve(dynamics, poses, memory, members, h, tolerance, sweeps)
         note_pushed(memory)
-        set_ways(geometry, dynamics, poses, velocities, memory, members, h)
+        set_motions(geometry, dynamics, poses, velocities, memory, members, h)
     return True, fine

@@ -29,9 +29,9 @@ class Substeps(NamedTuple):
     group           (nb) union-find parent in a group of refused bodies, or FIXED_GROUP
     mean            (nb, 3) [m/s] weighted mean velocity of the group that the body represents; mass (nb) [kg] its weight
     wall            (nb, 3) normal, into the group, of the body along which the group that the body represents slides; 0 without
-    way, turning    (nb, 3) velocities at the start of the way in this substep [m/s], [rad/s]
+    velocity, turning   (nb, 3) velocities at the start of the motion in this substep [m/s], [rad/s]
     turn            (nb) [rad] angle turned in this substep
-    bulge           (nb) [m] how far core points leave the chord of their way
+    bulge           (nb) [m] how far core points leave the chord of their motion
     changed, near   (nb) flags: velocity changed since the last certificate; within reach of a refused pair
     pushed          (nb) flag: a contact acts on the body
     room, wider     (nb) [m] motion of the body that the list of pairs of pieces covers, now and after an extension
@@ -44,7 +44,7 @@ class Substeps(NamedTuple):
     idle            (cap) flag: the row takes no part in the solve
     kinetic         (1) [J] kinetic energy of the island before the solve
     lasting         (1) rows that have a key and are remembered; rows of refused pairs follow
-    low, high       poses on the way, for bisection
+    low, high       poses along the motion, for bisection
     spare_linear, spare_angular, change_linear, change_angular   (nb, 3) velocities before restitution, and its changes
     """
 
@@ -56,7 +56,7 @@ class Substeps(NamedTuple):
     mean: Vectors
     mass: Line
     wall: Vectors
-    way: Vectors
+    velocity: Vectors
     turning: Vectors
     turn: Line
     bulge: Line
@@ -93,7 +93,7 @@ def make_substeps(bodies: int, poses: Poses, room: int, cap: int) -> Substeps:
     low, high = (Poses(*(field.copy() for field in poses)) for _ in range(2))
     return Substeps(
         members=whole.copy(), crowd=whole.copy(), calm=whole.copy(), share=np.ones(n), group=np.arange(n, dtype=np.int64),
-        mean=vectors.copy(), mass=np.zeros(n), wall=vectors.copy(), way=vectors.copy(), turning=vectors.copy(),
+        mean=vectors.copy(), mass=np.zeros(n), wall=vectors.copy(), velocity=vectors.copy(), turning=vectors.copy(),
         turn=np.zeros(n), bulge=np.zeros(n), changed=whole.copy(), near=whole.copy(), pushed=whole.copy(),
         room=np.zeros(n), wider=np.zeros(n), lacking=np.zeros(1, np.int64), found=np.zeros(1, np.int64),
         pieces=np.zeros((many, 2), np.int64), state=np.zeros(many, np.int64), refused=np.zeros(many, np.int64),

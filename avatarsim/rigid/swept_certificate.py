@@ -2,7 +2,7 @@
 
 The height of a vertex along a direction differs from its chord by at most t^2/8 times the largest second derivative. So if one
 direction separates both ends by more than these bulges it separates all that is between. The direction is fixed in the world, or
-carried by either body (then that body's vertices do not bulge). Where none is found the way is cut in parts (bisection).
+carried by either body (then that body's vertices do not bulge). Where none is found the motion is cut in parts (bisection).
 
 A pair that is nearer than that at the start, as those of the exact path are, may dip as these do; to stand still is certified.
 Gaps of a pair that overlaps at home are those beyond the depth that it may have.
@@ -27,7 +27,7 @@ LEAST = FINE * JUDGED
 """[m] gap that is proved. Nearer to 0: rounding of a pose may show as an overlap; larger: wedged bodies are refused."""
 
 PARTS, SHORTEST = 80, 2e-3
-"""Most parts of a way that is cut, and the shortest, as a share of the substep. Fewer or longer parts: ways that are free are
+"""Most parts of a cut motion, and the shortest, as a share of the substep. Fewer or longer parts: motions that are free are
 refused; more: a refused pair takes longer."""
 
 SAGITTA = 0.125
@@ -44,7 +44,7 @@ def least_of(gap: float) -> float:
 
 
 class Refusal(NamedTuple):
-    """Result of a certificate: whether it holds; else the share of the way where the pair is nearest, and there its gap [m],
+    """Result of a certificate: whether it holds; else the share of the motion where the pair is nearest, and there its gap [m],
     direction out of B into A and closest points. A share below 1 leaves that pose in `Substeps.high`."""
 
     holds: bool
@@ -56,18 +56,18 @@ class Refusal(NamedTuple):
 
 
 @kernel
-def pose_on_way(geometry: Geometry, poses: Poses, memory: Memory, b: int, t: float, out: Poses) -> None:
+def pose_at(geometry: Geometry, poses: Poses, memory: Memory, b: int, t: float, out: Poses) -> None:
     """Put body b of ``out`` at its pose t seconds into the substep that begins at ``poses``."""
     sub_, a = memory.substeps, acceleration(memory.paths, b)
-    x = along(row(poses.position, b), t, row(sub_.way, b))
+    x = along(row(poses.position, b), t, row(sub_.velocity, b))
     put_row(out.position, b, along(x, 0.5 * t * t, a))
     put_columns(out.rotation, b, spun(columns(poses.rotation, b), row(sub_.turning, b), t))
     place(geometry, out, b)
 
 
 @kernel
-def measure_way(geometry: Geometry, poses: Poses, memory: Memory, b: int, h: float) -> None:
-    """Fill ``turn`` of body b for its way of h seconds, and ``bulge``: how far points leave their chords because it turns."""
+def measure_motion(geometry: Geometry, poses: Poses, memory: Memory, b: int, h: float) -> None:
+    """Fill ``turn`` of body b for its motion of h seconds, and ``bulge``: how far points leave their chords because it turns."""
     sub_, w = memory.substeps, row(memory.substeps.turning, b)
     sub_.turn[b] = norm(w) * h
     far = 0.0
@@ -190,26 +190,26 @@ def speed_bound(memory: Memory, a: int, b: int, h: float) -> float:
     """Return the largest rate [m/s] at which the gap of bodies a and b can change in this substep."""
     sub_, gain = memory.substeps, sub(acceleration(memory.paths, a), acceleration(memory.paths, b))
     turning = norm(row(sub_.turning, a)) * memory.reach[a] + norm(row(sub_.turning, b)) * memory.reach[b]
-    return float(norm(sub(row(sub_.way, a), row(sub_.way, b))) + h * norm(gain) + turning)
+    return float(norm(sub(row(sub_.velocity, a), row(sub_.velocity, b))) + h * norm(gain) + turning)
 
 
 @kernel
 def proved_by_parts(
     geometry: Geometry, poses: Poses, memory: Memory, sa: int, sb: int, n: Vec3, gap: float, h: float, least: float
 ) -> Refusal:
-    """Return the certificate of a pair by parts of its way, each proved by a direction, or by a gap larger than the way.
+    """Return the certificate of a pair by parts of its motion, each proved by a direction, or by a gap larger than the motion.
 
     n, gap: at the start. Parts are halved where the proof fails, down to SHORTEST.
     """
     low, high, a, b = memory.substeps.low, memory.substeps.high, geometry.body[sa], geometry.body[sb]
     done, part, rate = 0.0, 0.5, h * speed_bound(memory, a, b, h)
-    pose_on_way(geometry, poses, memory, a, 0.0, low)
-    pose_on_way(geometry, poses, memory, b, 0.0, low)
+    pose_at(geometry, poses, memory, a, 0.0, low)
+    pose_at(geometry, poses, memory, b, 0.0, low)
     worst = Refusal(False, 1.0, 1e300, n, NOWHERE, NOWHERE)
     for _ in range(PARTS):
         until = min(1.0, done + part)
-        pose_on_way(geometry, poses, memory, a, until * h, high)
-        pose_on_way(geometry, poses, memory, b, until * h, high)
+        pose_at(geometry, poses, memory, a, until * h, high)
+        pose_at(geometry, poses, memory, b, until * h, high)
         holds = gap - (until - done) * rate >= least or separates(
             geometry, low, high, memory, sa, sb, n, h, until - done, least
         )
@@ -225,8 +225,8 @@ def proved_by_parts(
             if until >= 1.0:
                 return Refusal(True, 1.0, gap_then, n_then, on_a, on_b)
             done, n, gap, part = until, n_then, gap_then, 1.5 * part
-            pose_on_way(geometry, poses, memory, a, done * h, low)
-            pose_on_way(geometry, poses, memory, b, done * h, low)
+            pose_at(geometry, poses, memory, a, done * h, low)
+            pose_at(geometry, poses, memory, b, done * h, low)
         else:
             part *= 0.5
             if not (gap_then >= least) or part < SHORTEST:
@@ -234,8 +234,8 @@ def proved_by_parts(
     if worst.gap == 1e300:
         gap_then, n_then, on_a, on_b = query(geometry, low, memory, sa, sb, 1.0)
         worst = Refusal(False, max(done, SHORTEST), gap_then, n_then, on_a, on_b)
-    pose_on_way(geometry, poses, memory, a, worst.at * h, high)
-    pose_on_way(geometry, poses, memory, b, worst.at * h, high)
+    pose_at(geometry, poses, memory, a, worst.at * h, high)
+    pose_at(geometry, poses, memory, b, worst.at * h, high)
     return worst
 
 

@@ -9,7 +9,7 @@ from avatarsim.collision.path import HELD
 from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.signed_distance import signed_distance
 from avatarsim.rigid.substep_state import UNKNOWN
-from avatarsim.rigid.swept_certificate import LEAST, certify_pieces, least_between, least_of, measure_way, pose_on_way
+from avatarsim.rigid.swept_certificate import LEAST, certify_pieces, least_between, least_of, measure_motion, pose_at
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Shape, Sphere
 from avatarsim.tolerances import JUDGED
 from tests.rigid.upper_world import World, thing
@@ -37,7 +37,7 @@ def throw(world: World, rng: np.random.Generator, gap: float) -> None:
         turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
         world.poses.rotation[b] = turn * np.sign(np.linalg.det(turn))
         memory.paths.linear[b] = rng.choice([0.0, 10.0]) * rng.normal(size=3)
-        substeps.way[b], substeps.turning[b] = 3.0 * rng.normal(size=3), rng.choice([0.0, 1.0, 30.0]) * rng.normal(size=3)
+        substeps.velocity[b], substeps.turning[b] = 3.0 * rng.normal(size=3), rng.choice([0.0, 1.0, 30.0]) * rng.normal(size=3)
     world.poses.position[0] = 0.0
     towards = rng.normal(size=3)
     world.poses.position[1] = 0.6 * towards / np.linalg.norm(towards)
@@ -53,14 +53,14 @@ def throw(world: World, rng: np.random.Generator, gap: float) -> None:
 def posed(world: World, t: float, out) -> None:
     """Both bodies where they are on their way after t seconds."""
     for b in range(2):
-        pose_on_way(world.geometry, world.poses, world.memory, b, t, out)
+        pose_at(world.geometry, world.poses, world.memory, b, t, out)
 
 
 def measured(world: World) -> None:
     """The end of the way, and its measures."""
     posed(world, H, world.memory.trial)
     for b in range(2):
-        measure_way(world.geometry, world.poses, world.memory, b, H)
+        measure_motion(world.geometry, world.poses, world.memory, b, H)
 
 
 def distance(world: World, poses) -> tuple[float, np.ndarray]:
@@ -116,14 +116,14 @@ def test_crossed_edges_that_dipped_can_still_turn(speed: float) -> None:
     world.poses.position[:] = (0.0, -lowest[1], -lowest[2] - 2.5e-7), (-highest[0], 0.0, -highest[2])
     memory.moving[:] = (1, 0)
     memory.substeps.turning[:] = (speed, speed, 0.0), (0.0, 0.0, 0.0)
-    memory.substeps.way[:] = np.cross(memory.substeps.turning, world.poses.position)
-    memory.substeps.way[1] = 0.0
+    memory.substeps.velocity[:] = np.cross(memory.substeps.turning, world.poses.position)
+    memory.substeps.velocity[1] = 0.0
     posed(world, 0.0, world.poses)
     measured(world)
     assert distance(world, world.poses)[0] == pytest.approx(-2.5e-7, abs=1e-9)
     assert certify_pieces(world.geometry, world.poses, memory, 0, H).holds
-    memory.moving[:], memory.substeps.way[0] = (1, 0), (0.0, 0.0, -0.01)
-    pose_on_way(world.geometry, world.poses, memory, 0, H, memory.trial)
+    memory.moving[:], memory.substeps.velocity[0] = (1, 0), (0.0, 0.0, -0.01)
+    pose_at(world.geometry, world.poses, memory, 0, H, memory.trial)
     assert not certify_pieces(world.geometry, world.poses, memory, 0, H).holds
 
 
@@ -133,7 +133,7 @@ def test_a_certified_way_that_dipped_stays_within_the_bound() -> None:
     for _ in range(300):
         throw(world, rng, -2e-7)
         world.memory.substeps.turning[:] *= 1e-3
-        world.memory.substeps.way[:] *= 1e-4
+        world.memory.substeps.velocity[:] *= 1e-4
         world.memory.paths.linear[:] = 0.0
         measured(world)
         if not certify_pieces(world.geometry, world.poses, world.memory, 0, H).holds:
@@ -157,6 +157,6 @@ def test_the_least_height_of_a_way_is_that_of_many_instants(before: float, after
 def test_to_stand_still_is_certified(gap: float) -> None:
     world, rng = pair(0, 4), np.random.default_rng(4)
     throw(world, rng, gap)
-    world.memory.substeps.way[:], world.memory.substeps.turning[:], world.memory.paths.linear[:] = 0.0, 0.0, 0.0
+    world.memory.substeps.velocity[:], world.memory.substeps.turning[:], world.memory.paths.linear[:] = 0.0, 0.0, 0.0
     measured(world)
     assert certify_pieces(world.geometry, world.poses, world.memory, 0, H).holds

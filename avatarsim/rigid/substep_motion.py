@@ -15,21 +15,21 @@ from avatarsim.rigid.near_pieces import FARTHER, list_more
 from avatarsim.rigid.solver import lay_out
 from avatarsim.rigid.state import SHORTENED, Memory
 from avatarsim.rigid.substep_state import FIXED_GROUP, Substeps
-from avatarsim.rigid.swept_certificate import certify_pieces, measure_way, pose_on_way
+from avatarsim.rigid.swept_certificate import certify_pieces, measure_motion, pose_at
 from avatarsim.spatial.tangent import columns, turn_of
 from avatarsim.spatial.vec3 import Vec3, along, dot, norm, put_row, row, scale, sub
 
 Index = NDArray[np.int64]
 
 NONE_LEFT = 0.25
-"""Least share of its way that a body goes whose pair is refused still, after halves; below it stays where it is."""
+"""Least share of its motion that a body goes whose pair is refused still, after halves; below it stays where it is."""
 
 
 @kernel
-def set_ways(
+def set_motions(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float
 ) -> None:
-    """Set ways of the members over h seconds, by the solved velocities: trial poses, turns and bulges.
+    """Set motions of the members over h seconds, by the solved velocities: trial poses, turns and bulges.
 
     A body with contacts moves straight at its end velocity, any other on its parabola. For a body that moves farther than
     estimated, more pairs of pieces are listed; ``lacking`` marks where there is no room for them.
@@ -42,7 +42,7 @@ def set_ways(
         b = members[m]
         if memory.moving[b] == 0:
             paths.kind[b] = STILL
-            put_row(sub_.way, b, (0.0, 0.0, 0.0))
+            put_row(sub_.velocity, b, (0.0, 0.0, 0.0))
             put_row(sub_.turning, b, (0.0, 0.0, 0.0))
             sub_.turn[b], sub_.bulge[b], sub_.wider[b] = 0.0, 0.0, 0.0
             continue
@@ -50,12 +50,12 @@ def set_ways(
         put_row(paths.angular, b, (0.0, 0.0, 0.0))
         v, w = shared(dynamics, memory, b)
         if is_linked(dynamics.drive, b):
-            v, w = way_ahead(dynamics, poses, b, h)
+            v, w = velocities_ahead(dynamics, poses, b, h)
         flies = sub_.pushed[b] == 0 and sub_.share[b] == 1.0 and not is_linked(dynamics.drive, b)
         gravity = gravity_on(dynamics, b) if flies else (0.0, 0.0, 0.0)
         put_row(paths.linear, b, gravity)
-        go_on_way(geometry, poses, memory, b, h, row(velocities.linear, b) if flies else v, w)
-        farthest = h * (norm(row(sub_.way, b)) + 0.5 * h * norm(gravity)) + sub_.turn[b] * memory.span[b]
+        set_motion(geometry, poses, memory, b, h, row(velocities.linear, b) if flies else v, w)
+        farthest = h * (norm(row(sub_.velocity, b)) + 0.5 * h * norm(gravity)) + sub_.turn[b] * memory.span[b]
         sub_.wider[b] = sub_.room[b]
         if farthest > sub_.room[b]:
             sub_.wider[b], wider = FARTHER * farthest, True
@@ -67,13 +67,13 @@ def set_ways(
 
 
 @kernel
-def way_ahead(dynamics: Dynamics, poses: Poses, b: int, h: float) -> tuple[Vec3, Vec3]:
+def velocities_ahead(dynamics: Dynamics, poses: Poses, b: int, h: float) -> tuple[Vec3, Vec3]:
     """Return constant velocities [m/s], [rad/s] from the pose of b, a link or attached, to forward kinematics h seconds later."""
     ahead = dynamics.drive.linkage.ahead
     if dynamics.drive.carrier[b] >= 0:
         put_on_link(dynamics.drive, b, ahead)
-    way = sub(row(ahead.position, b), row(poses.position, b))
-    return scale(way, 1.0 / h), scale(turn_of(columns(poses.rotation, b), columns(ahead.rotation, b)), 1.0 / h)
+    offset = sub(row(ahead.position, b), row(poses.position, b))
+    return scale(offset, 1.0 / h), scale(turn_of(columns(poses.rotation, b), columns(ahead.rotation, b)), 1.0 / h)
 
 
 @kernel
@@ -127,7 +127,7 @@ def certify_all(
 
 
 @kernel
-def shorten_ways(
+def shorten_motions(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float
 ) -> None:
     """Reduce the relative motion of refused pairs until every pair is proved free.
@@ -149,7 +149,7 @@ def shorten_ways(
         for m in range(members.shape[0]):
             b = members[m]
             sub_.changed[b] = 1 if sub_.share[b] < 1.0 else 0
-        set_ways(geometry, dynamics, poses, velocities, memory, members, h)
+        set_motions(geometry, dynamics, poses, velocities, memory, members, h)
         refused, _ = certify_all(geometry, dynamics, poses, velocities, memory, h, 0.0, 0.0)
         if refused == 0 and sub_.lacking[0] == 0:
             return
@@ -163,7 +163,7 @@ def halt(
     """Set the motion of all members in this substep to zero."""
     for m in range(members.shape[0]):
         memory.substeps.share[members[m]], memory.substeps.group[members[m]] = 0.0, FIXED_GROUP
-    set_ways(geometry, dynamics, poses, velocities, memory, members, h)
+    set_motions(geometry, dynamics, poses, velocities, memory, members, h)
 
 
 @kernel
@@ -254,23 +254,23 @@ def weigh_groups(memory: Memory, members: Index) -> None:
 
 
 @kernel
-def keep_ways(memory: Memory, members: Index) -> None:
+def store_motions(memory: Memory, members: Index) -> None:
     """Store the motion of the members in ``change_linear``, ``change_angular``."""
     sub_ = memory.substeps
     for m in range(members.shape[0]):
-        put_row(sub_.change_linear, members[m], row(sub_.way, members[m]))
+        put_row(sub_.change_linear, members[m], row(sub_.velocity, members[m]))
         put_row(sub_.change_angular, members[m], row(sub_.turning, members[m]))
 
 
 @kernel
-def recall_ways(geometry: Geometry, poses: Poses, memory: Memory, members: Index, h: float, of_near: bool) -> None:
-    """Restore the motion stored by `keep_ways`, of all members or of those marked ``near``, and mark them as changed."""
+def restore_motions(geometry: Geometry, poses: Poses, memory: Memory, members: Index, h: float, of_near: bool) -> None:
+    """Restore the motion stored by `store_motions`, of all members or of those marked ``near``, and mark them as changed."""
     sub_ = memory.substeps
     for m in range(members.shape[0]):
         b = members[m]
         sub_.changed[b] = memory.moving[b] * (sub_.near[b] if of_near else 1)
         if sub_.changed[b] == 1:
-            go_on_way(geometry, poses, memory, b, h, row(sub_.change_linear, b), row(sub_.change_angular, b))
+            set_motion(geometry, poses, memory, b, h, row(sub_.change_linear, b), row(sub_.change_angular, b))
 
 
 @kernel
@@ -281,16 +281,16 @@ def lower_rises(
     sub_ = memory.substeps
     for m in range(members.shape[0]):
         b = members[m]
-        v, gravity = row(sub_.way, b), gravity_on(dynamics, b)
+        v, gravity = row(sub_.velocity, b), gravity_on(dynamics, b)
         fall = dot(gravity, v)
         sub_.changed[b] = memory.moving[b] * sub_.pushed[b] if fall < 0.0 else 0
         if sub_.changed[b] == 1:
             slower = along(v, -(1.0 - part) * fall / dot(gravity, gravity), gravity)
-            go_on_way(geometry, poses, memory, b, h, slower, row(sub_.turning, b))
+            set_motion(geometry, poses, memory, b, h, slower, row(sub_.turning, b))
 
 
 @kernel
-def scale_ways(
+def scale_motions(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, part: float
 ) -> None:
     """Scale the motion of loose bodies with contacts, and mark them as changed."""
@@ -299,16 +299,16 @@ def scale_ways(
         b = members[m]
         sub_.changed[b] = memory.moving[b] * sub_.pushed[b] if dynamics.role[b] == SIMULATED else 0
         if sub_.changed[b] == 1:
-            go_on_way(geometry, poses, memory, b, h, scale(row(sub_.way, b), part), scale(row(sub_.turning, b), part))
+            set_motion(geometry, poses, memory, b, h, scale(row(sub_.velocity, b), part), scale(row(sub_.turning, b), part))
 
 
 @kernel
-def go_on_way(geometry: Geometry, poses: Poses, memory: Memory, b: int, h: float, v: Vec3, w: Vec3) -> None:
+def set_motion(geometry: Geometry, poses: Poses, memory: Memory, b: int, h: float, v: Vec3, w: Vec3) -> None:
     """Set the velocities [m/s], [rad/s] of body b for h seconds, and compute its pose at the end."""
-    put_row(memory.substeps.way, b, v)
+    put_row(memory.substeps.velocity, b, v)
     put_row(memory.substeps.turning, b, w)
-    pose_on_way(geometry, poses, memory, b, h, memory.trial)
-    measure_way(geometry, poses, memory, b, h)
+    pose_at(geometry, poses, memory, b, h, memory.trial)
+    measure_motion(geometry, poses, memory, b, h)
 
 
 @kernel
