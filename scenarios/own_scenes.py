@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from avatarsim.assets.models.load import FLOOR
-from avatarsim.assets.models.model import Model, beside, followed_by, with_carried
+from avatarsim.assets.models.model import Model, followed_by, in_room, with_carried
 from avatarsim.clips.reading import Reading
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidFile, InvalidInput
@@ -115,8 +115,8 @@ class OwnScene:
         """Remarks of readers: units guessed, bodies raised, pairs left out of contact since they overlap in the file."""
         if self.is_driven:
             return ()
-        motion = () if self.recorded is None else self.recorded.said
-        return tuple(dict.fromkeys([*motion, *(note for model in self.models for note in model.said)]))
+        motion = () if self.recorded is None else self.recorded.notes
+        return tuple(dict.fromkeys([*motion, *(note for model in self.models for note in model.notes)]))
 
     def replayed(self) -> tuple[Scene, Track]:
         """Return scene and samples of a recording of `avatarsim live`, without commands in between.
@@ -148,7 +148,7 @@ class OwnScene:
 
         model, *rooms = self.models
         carried = () if self.recorded is None else carried_in(self.recorded, self.reading)
-        together = with_carried(reduce(beside, rooms, model), carried)
+        together = with_carried(reduce(in_room, rooms, model), carried)
         scene = together.scene(self.name)
         if model.avatar is None:
             if self.motion:

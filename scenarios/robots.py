@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 import avatarsim as av
 from avatarsim.assets.models.compile_process import compiled_by_mujoco
 from avatarsim.assets.models.coordinates import WIDTHS, Coordinates, Slot
-from avatarsim.assets.models.doors import MODELS, folder_of
 from avatarsim.assets.models.pieces_of_geoms import vector_of
+from avatarsim.assets.models.preflight import MODELS, folder_of
 from avatarsim.cleaning.chords import scene_of
 from avatarsim.cleaning.result import DEFAULTS
 from avatarsim.console import ended, path_option
@@ -250,7 +250,7 @@ def loaded(path: Path) -> tuple[av.Model, dict[str, Any]]:
     for _ in range(TRIES):
         try:
             model = av.load_avatar(path, **options)
-            trees = re.search(r"avatar=\(([^)]*)\) drives all", "; ".join(model.said))
+            trees = re.search(r"avatar=\(([^)]*)\) drives all", "; ".join(model.notes))
             if trees is None or "avatar" in options:
                 return model, options
             more = {"avatar": tuple(re.findall('"([^"]*)"', trees[1]))}
@@ -296,7 +296,7 @@ def drive(path: Path, frames: int, seed: int, rate: float) -> Driven:
         lost = ", ".join(lost_joints(own, model.coordinates, "fix" in options))
         if model.avatar is None or model.coordinates is None:
             return Driven(
-                package, name, "room", load=load, own_joints=len(own), lost=lost, options=given, note="; ".join(model.said),
+                package, name, "room", load=load, own_joints=len(own), lost=lost, options=given, note="; ".join(model.notes),
             )
         speeds = {slot.name: slot.speed or None for slot in model.coordinates.slots if slot.kind != "fixed"}
         shield = av.Shield(model, walls(model), rate, speed_limits=speeds, acceleration_limits=ACCELERATION)
@@ -317,7 +317,7 @@ def drive(path: Path, frames: int, seed: int, rate: float) -> Driven:
     beyond, speed, acceleration = within_limits(model, np.array(rows), rate)
     return Driven(
         package, name, "robot", len(model.avatar.links), joints, deepest, pair, beyond, speed, acceleration, load, float(p50),
-        float(p99), free / frames, len(own), lost, given, "; ".join(model.said),
+        float(p99), free / frames, len(own), lost, given, "; ".join(model.notes),
     )
 
 

@@ -11,8 +11,8 @@ from dataclasses import replace
 from functools import reduce
 from pathlib import Path
 
-from avatarsim.assets.models.doors import MODELS
-from avatarsim.assets.models.model import Model, beside, with_carried
+from avatarsim.assets.models.model import Model, in_room, with_carried
+from avatarsim.assets.models.preflight import MODELS
 from avatarsim.cleaning.chords import Chords
 from avatarsim.cleaning.start import free_posture
 from avatarsim.cli.option_words import in_words
@@ -70,11 +70,11 @@ def _stage(asked: argparse.Namespace) -> tuple[Stage, Model | None]:
     model = load_avatar(asked.avatar, **reading.of_avatar())  # type: ignore[arg-type]
     is_model = asked.room is not None and asked.room.suffix.lower() in MODELS
     rooms = () if asked.room is None else (load_room(asked.room, **reading.of_room(is_model, True)),)  # type: ignore[arg-type]
-    for said in (*model.said, *(said for room in rooms for said in room.said)):
-        print(f"avatarsim: {in_words(said, 'live')}", file=sys.stderr)
+    for note in (*model.notes, *(note for room in rooms for note in room.notes)):
+        print(f"avatarsim: {in_words(note, 'live')}", file=sys.stderr)
     if model.avatar is None:
         raise InvalidFile(f"avatar in {asked.avatar.name}", "none", "a file with joints; a room goes with --room")
-    together = reduce(beside, rooms, model)
+    together = reduce(in_room, rooms, model)
     if asked.motion and reading.object_file is not None:
         # of the first clip: the scene has one object
         from avatarsim.clips.inputs import carried_in, options_for, read

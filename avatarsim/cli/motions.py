@@ -90,8 +90,8 @@ def _done(asked: argparse.Namespace, wishes: Wishes, clips: Found, batch: Batch)
         say(str(error))
         return UNDONE
     for model in models:
-        for said in model.said if model else ():
-            say(said)
+        for note in model.notes if model else ():
+            say(note)
     is_clean = asked.command == "clean"
     tasks = batches.tasks_of(clips.clips, wishes, asked.out if is_clean else None, is_clean and asked.force)
     workers = _workers(asked, len(tasks), asked.out if asked.out is not None else asked.motions[0].parent)
@@ -125,11 +125,11 @@ def _work(command: str, tasks: Sequence[Task], workers: "Workers", batch: Batch)
                 print(row(command, one), flush=True)
             avatar, pairs = tasks[0].wishes.avatar, excluded(one.entry or {})
             of_avatar = [(pairs, f"{avatar.name if avatar else one.place}: {pairs}")] if pairs else []
-            for known, said in [*of_avatar, *((said, said) for said in one.said)]:
+            for known, note in [*of_avatar, *((note, note) for note in one.notes)]:
                 if known not in told:
                     told.add(known)
                     if len(told) <= SENTENCES:
-                        say(said)
+                        say(note)
             step(0.0)
 
         def step(share: float) -> None:

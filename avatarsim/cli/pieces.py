@@ -5,7 +5,7 @@ import json
 import sys
 
 from avatarsim.assets.meshes.convex_pieces import Pieces, pieces_of_mesh
-from avatarsim.assets.meshes.decompose import REPAIRS, Wishes
+from avatarsim.assets.meshes.decompose import REPAIRS, PieceOptions
 from avatarsim.cli.option_words import as_options
 from avatarsim.console import USAGE
 from avatarsim.errors import AvatarsimError, InvalidInput
@@ -45,23 +45,23 @@ def parser() -> argparse.ArgumentParser:
 def main(words: list[str] | None = None) -> int:
     """Return 0, or REFUSED when a mesh was refused, with the reason on the error stream."""
     options = parser()
-    asked = options.parse_args(words)
+    args = options.parse_args(words)
     flags = {name.lstrip("-") for action in options._actions for name in action.option_strings}
     try:
-        positive("--scale", asked.scale, InvalidInput)
-        Wishes(asked.threshold, asked.seed, asked.most_vertices, asked.most_pieces, asked.hull, asked.repair, asked.fit)
+        positive("--scale", args.scale, InvalidInput)
+        PieceOptions(args.threshold, args.seed, args.most_vertices, args.most_pieces, args.hull, args.repair, args.fit)
     except InvalidInput as error:
         print(f"avatarsim pieces: {error}", file=sys.stderr)
         return USAGE
     code = 0
-    if not asked.json:
+    if not args.json:
         print(HEAD)
-    for path in asked.meshes:
+    for path in args.meshes:
         try:
             found = pieces_of_mesh(
-                path, asked.scale, y_up=asked.y_up, threshold=asked.threshold, seed=asked.seed, most_vertices=asked.most_vertices,
-                most_pieces=asked.most_pieces, hull=asked.hull, repair=asked.repair, fit=asked.fit, kept=not asked.no_cache,
-                quiet=asked.quiet,
+                path, args.scale, y_up=args.y_up, threshold=args.threshold, seed=args.seed, most_vertices=args.most_vertices,
+                most_pieces=args.most_pieces, hull=args.hull, repair=args.repair, fit=args.fit, kept=not args.no_cache,
+                quiet=args.quiet,
             )
         except AvatarsimError as error:
             print(f"{path}: {as_options(str(error), flags)}", file=sys.stderr)
@@ -70,7 +70,7 @@ def main(words: list[str] | None = None) -> int:
             print("stopped; nothing was left half written", file=sys.stderr)
             return STOPPED
         else:
-            print(as_json(path, found) if asked.json else as_row(path, found), flush=True)
+            print(as_json(path, found) if args.json else as_row(path, found), flush=True)
     return code
 
 

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from avatarsim.assets.meshes.decompose import REPAIRS
-from avatarsim.assets.models.doors import COLLIDE
+from avatarsim.assets.models.preflight import COLLIDE
 from avatarsim.assets.models.smpl_skeleton import LEAST_STATURE, MOST_STATURE
 from avatarsim.assets.models.spec_scale import LARGEST, SMALLEST
 from avatarsim.assets.motions.frame_times import HIGHEST, LOWEST

@@ -55,11 +55,11 @@ def key(motion: Hashes, avatar: Hashes, room: Hashes, wishes: Wishes) -> dict[st
 
 def entry(
     place: str, format_: str, decides: Mapping[str, object], motion: Motion, before: Audit, after: Audit | None = None,
-    cleaned: Cleaned | None = None, said: Sequence[str] = (), outputs: Mapping[str, tuple[str, str]] | None = None,
+    cleaned: Cleaned | None = None, notes: Sequence[str] = (), outputs: Mapping[str, tuple[str, str]] | None = None,
 ) -> dict[str, object]:
     """Return the entry of one clip: `before` of its input, `after` of the file written and read back, `decides` its `key`."""
     last = after or before
-    sentences = [*said, *before.notes, *last.said]
+    sentences = [*notes, *before.notes, *last.said]
     found: dict[str, object] = {
         "motion": place, "format": format_, "frames": len(motion), "rate_hz": _rate(motion), **decides,
         "is_clean": last.is_clean,

@@ -6,11 +6,11 @@ from functools import lru_cache
 from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
-from avatarsim.assets.models import doors
+from avatarsim.assets.models import preflight
 from avatarsim.assets.models.load import load_avatar, load_room
 from avatarsim.assets.models.mesh_files import candidates
 from avatarsim.assets.models.model import Model
-from avatarsim.assets.motions.asf_amc import skeleton_beside
+from avatarsim.assets.motions.asf_amc import skeleton_next_to
 from avatarsim.assets.motions.carried_object import load_object
 from avatarsim.assets.motions.home import ENDINGS, parsed_home
 from avatarsim.assets.motions.load import load_motion, options_of
@@ -67,7 +67,7 @@ def _avatar(path: Path, reading: Reading, files: Hashes) -> Model:
 def _room(path: Path, reading: Reading, beside_avatar: bool, files: Hashes) -> Model:
     if str(path) == FLOOR:
         return load_room(FLOOR)
-    is_model = path.suffix.lower() in doors.MODELS
+    is_model = path.suffix.lower() in preflight.MODELS
     return load_room(path, **reading.of_room(is_model, beside_avatar))  # type: ignore[arg-type]
 
 
@@ -88,17 +88,17 @@ def _sha256(path: Path, number: int, size: int, written: int) -> str:
 
 def _files(path: Path, folder: str | None) -> Hashes:
     """Return hashes of a model's or mesh's file and of all files that it names. Raises InvalidFile for unreadable files."""
-    if path.suffix.lower() not in doors.MODELS:
+    if path.suffix.lower() not in preflight.MODELS:
         return (_hashed(path, path.name),)
-    base = doors.folder_of(path, folder)
-    texts = doors.texts_of(path, base)
+    base = preflight.folder_of(path, folder)
+    texts = preflight.texts_of(path, base)
     found = {name: base / name for name in texts.texts}
     for name, place in _named(texts):
         found[name] = place
     return tuple(_hashed(place, name) for name, place in sorted(found.items()))
 
 
-def _named(texts: doors.Texts) -> Iterator[tuple[str, Path]]:
+def _named(texts: preflight.Texts) -> Iterator[tuple[str, Path]]:
     """Yield the mesh files of a model: (path below its folder, place). The model's reader rejects missing ones."""
     trees = [ElementTree.fromstring(content) for content in texts.texts.values()]
     folders = {node.get("meshdir") or node.get("assetdir") or "" for tree in trees for node in tree.iter("compiler")} | {""}
@@ -109,7 +109,7 @@ def _named(texts: doors.Texts) -> Iterator[tuple[str, Path]]:
             continue
         for meshdir in sorted(folders):
             try:
-                yield doors.existing(f"mesh {file}", candidates(file, meshdir, True, bases), texts.folder)
+                yield preflight.existing(f"mesh {file}", candidates(file, meshdir, True, bases), texts.folder)
             except InvalidFile:
                 continue
             break
@@ -141,7 +141,7 @@ def carried_in(file: MotionFile, reading: Reading) -> tuple[Carried, ...]:
 
 def skeleton_of(path: Path, reading: Reading) -> Path | None:
     """Return the ASF file of an AMC file: the one of the options, else by its name."""
-    return skeleton_beside(path) if reading.asf is None else Path(reading.asf)
+    return skeleton_next_to(path) if reading.asf is None else Path(reading.asf)
 
 
 def options_for(path: Path, reading: Reading) -> dict[str, object]:

@@ -53,7 +53,7 @@ class Outcome:
     entry: Mapping[str, object] | None = None
     trouble: tuple[str, str] | None = None
     kept: bool = False
-    said: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 def outcome(task: Task, progress: Callable[[float], None] | None = None) -> Outcome:
@@ -90,7 +90,7 @@ class _Clip:
         file, unused = read(self.path, self.asked)
         model = _model(avatar, file.model(), self.path)
         motion = file.motion(model)
-        said = [*(room.said if room else ()), *model.said, *file.said]
+        notes = [*(room.notes if room else ()), *model.notes, *file.notes]
         self.carried = carried_in(file, self.wishes.reading)
         if self.wishes.rate is not None:
             motion = motion.resampled(self.wishes.rate)
@@ -101,18 +101,18 @@ class _Clip:
         bodies = room.room if room else ()
         reasons = {"home": f": {NO_HOME}"}
         left = (f"--{OPTIONS.get(name, name)} is not for {self.path.suffix} files{reasons.get(name, '')}" for name in unused)
-        told = (*left, *file.said)
+        reported = (*left, *file.notes)
         if self.task.out is None:
             before = audit(motion, model, bodies, self.wishes.cleaning, self.carried)
-            measured = certificate.entry(self.place, file.format, key, motion, before, said=said)
-            return Outcome(self.place, measured, said=(*told, *_of_clip(self.place, before)))
+            measured = certificate.entry(self.place, file.format, key, motion, before, notes=notes)
+            return Outcome(self.place, measured, notes=(*reported, *_of_clip(self.place, before)))
         cleaned = clean(motion, model, bodies, self.wishes.cleaning, progress, self.carried)
-        entry = self._written(file.written(cleaned.motion, model), file.format, key, motion, cleaned, model, room, said)
-        return Outcome(self.place, entry, said=(*told, *_of_clip(self.place, cleaned.before)))
+        entry = self._written(file.written(cleaned.motion, model), file.format, key, motion, cleaned, model, room, notes)
+        return Outcome(self.place, entry, notes=(*reported, *_of_clip(self.place, cleaned.before)))
 
     def _written(
         self, content: bytes, format_: str, key: Mapping[str, object], motion: Motion, cleaned: Cleaned, model: Model,
-        room: Model | None, said: list[str],
+        room: Model | None, notes: list[str],
     ) -> Mapping[str, object]:
         """Write the outputs and return the entry of the certificate, measured on the file that is read back."""
         out = self.task.out
@@ -123,7 +123,7 @@ class _Clip:
             back, after = self._read_back(path, motion, cleaned, model, room.room if room else ())
             outputs = {"motion": (self.place, sha256_of(path))}
             self._require_free(target, outputs["motion"][1])
-            entry = certificate.entry(self.place, format_, key, motion, cleaned.before, after, cleaned, said, outputs)
+            entry = certificate.entry(self.place, format_, key, motion, cleaned.before, after, cleaned, notes, outputs)
             if self.wishes.page:
                 shown = Shown(model, room, motion, back, cleaned.before, after, cleaned.flagged, self.carried)
                 page = page_of(self.place)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import avatarsim as av
-from avatarsim.assets.models.doors import texts_of
+from avatarsim.assets.models.preflight import texts_of
 from avatarsim.assets.motions.load import load_motion
 from avatarsim.scene.joint import MANY_TURNS, Ball, Hinges
 from tests.assets.motions.files import ASF, WALKER, amc, bvh
@@ -130,7 +130,7 @@ def test_what_is_left_out_of_a_model_has_its_default(tmp_path: Path) -> None:
     joint = found.links[1].joint
     assert isinstance(joint, Hinges) and (joint.hinges[0].lower, joint.hinges[0].upper) == (-MANY_TURNS, MANY_TURNS)
     massless = av.load_avatar(written(tmp_path, "urdf", URDF.replace('<mass value="2.0"/>', '<mass value="0"/>')))
-    assert massless.avatar is not None and any("without mass" in said and "base" in said for said in massless.said)
+    assert massless.avatar is not None and any("without mass" in note and "base" in note for note in massless.notes)
     inferred = URDF[: URDF.index("<inertial>")] + URDF[URDF.index("<visual>") :]
     without = av.load_avatar(written(tmp_path, "urdf", inferred)).avatar
     # from the density of water

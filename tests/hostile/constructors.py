@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 
 from avatarsim.assets.meshes import pieces_of_mesh
-from avatarsim.assets.meshes.decompose import Wishes
+from avatarsim.assets.meshes.decompose import PieceOptions
 from avatarsim.assets.models.model import Model
 from avatarsim.cleaning import Options, Shield, clean
 from avatarsim.cleaning.joint_rates import Rates
@@ -139,11 +139,11 @@ def mesh_doors() -> list[SearchStrategy[Asked]]:
     from tests.assets.meshes.solids import cube, ell
 
     meshes = st.sampled_from((cube(), ell()))
-    wishes = {"threshold": st.floats(0.01, 1.0), "seed": v.seeds, "most_vertices": st.integers(8, 64), "most_pieces": st.none(),
+    options = {"threshold": st.floats(0.01, 1.0), "seed": v.seeds, "most_vertices": st.integers(8, 64), "most_pieces": st.none(),
               "repair": st.sampled_from(("auto", "remesh", "refuse"))}
     return [
-        v.asked(hull_of_mesh, mesh=meshes, scale=v.lengths, y_up=st.booleans(), **wishes),
-        v.asked(Wishes, hull=st.booleans(), **wishes),
+        v.asked(hull_of_mesh, mesh=meshes, scale=v.lengths, y_up=st.booleans(), **options),
+        v.asked(PieceOptions, hull=st.booleans(), **options),
     ]
 
 

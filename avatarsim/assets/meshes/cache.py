@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from avatarsim.assets.meshes.decompose import Wishes
+from avatarsim.assets.meshes.decompose import PieceOptions
 from avatarsim.assets.meshes.hausdorff import RESOLUTION, Deviation
 from avatarsim.assets.meshes.mesh import Array, Mesh
 from avatarsim.errors import InvalidFile
@@ -35,13 +35,13 @@ class Answer:
     repairs: tuple[str, ...]
 
 
-def key_of(mesh: Mesh, wishes: Wishes) -> str:
+def key_of(mesh: Mesh, options: PieceOptions) -> str:
     """Return the content hash that names the entry: of the mesh's numbers, the options, and the versions that affect it."""
     try:
         by = version("coacd")
     except PackageNotFoundError:
         by = "none"
-    head = {"format": FORMAT, "coacd": by, "resolution": RESOLUTION, "welded": mesh.welded, **asdict(wishes)}
+    head = {"format": FORMAT, "coacd": by, "resolution": RESOLUTION, "welded": mesh.welded, **asdict(options)}
     digest = hashlib.sha256(json.dumps(head, sort_keys=True).encode())
     for array in (mesh.vertices, mesh.triangles, mesh.groups):
         digest.update(str(array.shape).encode() + np.ascontiguousarray(array).tobytes())
@@ -53,7 +53,7 @@ def load(key: str) -> tuple[Answer | None, str]:
     for folder in filter(is_readable, _folders()):
         path = folder / f"{key}.npz"
         try:
-            answer = _unpacked(read_entry(path))
+            answer = _decoded(read_entry(path))
         except Damaged:
             return None, f"the entry {path} was damaged and was computed anew"
         except OSError:
@@ -67,7 +67,7 @@ def load(key: str) -> tuple[Answer | None, str]:
 
 def store(key: str, answer: Answer) -> str:
     """Store an answer where possible, and return a sentence with its place, or that it could not be stored."""
-    data = _packed(answer)
+    data = _encoded(answer)
     for folder in filter(is_writable, _folders()):
         path = folder / f"{key}.npz"
         try:
@@ -79,7 +79,7 @@ def store(key: str, answer: Answer) -> str:
     return "not kept: no cache folder can be written to"
 
 
-def _packed(answer: Answer) -> bytes:
+def _encoded(answer: Answer) -> bytes:
     about = {"source": answer.source, "repairs": answer.repairs, "deviation": asdict(answer.deviation)}
     counts = np.array([len(points) for points in answer.hulls], dtype=np.int64)
     stream = io.BytesIO()
@@ -87,7 +87,7 @@ def _packed(answer: Answer) -> bytes:
     return stream.getvalue()
 
 
-def _unpacked(data: bytes) -> Answer | None:
+def _decoded(data: bytes) -> Answer | None:
     """Return the answer in an entry; None if its layout is another."""
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as entry:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from avatarsim.assets.meshes import cache
-from avatarsim.assets.meshes.decompose import Wishes, decomposed
+from avatarsim.assets.meshes.decompose import PieceOptions, decomposed
 from avatarsim.assets.meshes.enclosing import enclosing
 from avatarsim.assets.meshes.hausdorff import Deviation, deviation
 from avatarsim.assets.meshes.hulls import Hull, depth_below, hull_of
@@ -102,14 +102,14 @@ def pieces_of_mesh(
     """
     begun = time.monotonic()
     scale = positive("scale of a mesh", scale)
-    wishes = Wishes(threshold, seed, most_vertices, most_pieces, hull, repair, None if fit is None else fit / scale)
-    read = finite(_given(mesh))
+    options = PieceOptions(threshold, seed, most_vertices, most_pieces, hull, repair, None if fit is None else fit / scale)
+    read = finite(_as_mesh(mesh))
     _believable(read, scale)
-    key = cache.key_of(read, wishes) if kept else ""
+    key = cache.key_of(read, options) if kept else ""
     answer, note = cache.load(key) if kept else (None, "not kept: kept=False")
     from_cache = answer is not None
     if answer is None:
-        answer = answered(read, wishes, quiet)
+        answer = answered(read, options, quiet)
         if kept:
             note = "; ".join(part for part in (note, cache.store(key, answer)) if part)
     pieces = tuple(Piece(ConvexHull(turned(scale * points, y_up))) for points in answer.hulls)
@@ -120,9 +120,9 @@ def pieces_of_mesh(
     )
 
 
-def answered(mesh: Mesh, wishes: Wishes, quiet: bool) -> cache.Answer:
+def answered(mesh: Mesh, options: PieceOptions, quiet: bool) -> cache.Answer:
     """Return the pieces of a mesh with finite vertices, in its own unit."""
-    groups = () if wishes.hull else _convex_groups(mesh)
+    groups = () if options.hull else _convex_groups(mesh)
     if len(groups) > 1:
         depth = max(depth_below(hull, group.corners) for hull, group in groups)
         # qhull drops some vertices in the middle of a face; "as authored" means all
@@ -131,25 +131,25 @@ def answered(mesh: Mesh, wishes: Wishes, quiet: bool) -> cache.Answer:
     used = sound.mesh.part(np.ones(len(sound.mesh.triangles), dtype=bool))
     whole = hull_of(used.vertices, mesh.name)
     closed = not any(fault.open for fault in sound.faults)
-    said = sound.repairs
+    repairs = sound.repairs
     is_convex = not sound.faults and _is_convex(whole, used)
-    if wishes.hull or is_convex:
-        said += tuple(f"the hull closes this: {fault.thing} is {fault.value}" for fault in sound.faults)
-        return _measured([whole], "hull" if wishes.hull else "convex mesh", used, closed, wishes, said, is_convex)
-    remesh = wishes.repair == "remesh" or (wishes.repair == "auto" and all(fault.crossing for fault in sound.faults))
+    if options.hull or is_convex:
+        repairs += tuple(f"the hull closes this: {fault.thing} is {fault.value}" for fault in sound.faults)
+        return _measured([whole], "hull" if options.hull else "convex mesh", used, closed, options, repairs, is_convex)
+    remesh = options.repair == "remesh" or (options.repair == "auto" and all(fault.crossing for fault in sound.faults))
     if sound.faults and not remesh:
         sound.refuse()
     if sound.faults:
-        said += tuple(f"wrapped in a closed surface: {fault.thing} is {fault.value}" for fault in sound.faults)
+        repairs += tuple(f"wrapped in a closed surface: {fault.thing} is {fault.value}" for fault in sound.faults)
     stream = None if quiet else sys.stderr
-    clouds = decomposed(_parts(sound), wishes, bool(sound.faults), stream)
+    clouds = decomposed(_parts(sound), options, bool(sound.faults), stream)
     hulls = [hull for points in clouds if (hull := _solid(points, mesh.name))]
     if not hulls:
         raise InvalidShape(f"decomposition of {mesh.name}", "flat pieces only", "a mesh with a volume")
-    return _measured(hulls, "decomposed", used, closed, wishes, said)
+    return _measured(hulls, "decomposed", used, closed, options, repairs)
 
 
-def _given(mesh: str | Path | Mesh | tuple[ArrayLike, ArrayLike]) -> Mesh:
+def _as_mesh(mesh: str | Path | Mesh | tuple[ArrayLike, ArrayLike]) -> Mesh:
     if isinstance(mesh, Mesh):
         return mesh
     if isinstance(mesh, str | Path):
@@ -218,15 +218,15 @@ def _solid(points: Array, name: str) -> Hull | None:
 
 
 def _measured(
-    hulls: list[Hull], source: str, mesh: Mesh, closed: bool, wishes: Wishes, said: tuple[str, ...], is_convex: bool = False
+    hulls: list[Hull], source: str, mesh: Mesh, closed: bool, options: PieceOptions, notes: tuple[str, ...], convex: bool = False
 ) -> cache.Answer:
     """Enclose the hulls in ones of few vertices and measure these against the mesh; convex ones by depth alone."""
-    around = [enclosing(hull, wishes.most_vertices, mesh.name, wishes.fit)[0] for hull in hulls]
-    if is_convex and around[0] is hulls[0]:
+    around = [enclosing(hull, options.most_vertices, mesh.name, options.fit)[0] for hull in hulls]
+    if convex and around[0] is hulls[0]:
         gap = Deviation(0.0, depth_below(around[0], mesh.corners), 0.0)
     else:
         gap = deviation(around, mesh.corners, closed)
-    return cache.Answer(tuple(hull.points[hull.used] for hull in around), source, gap, said)
+    return cache.Answer(tuple(hull.points[hull.used] for hull in around), source, gap, notes)
 
 
 def turned(points: Array, y_up: bool) -> Array:

@@ -25,7 +25,7 @@ REPAIRS = ("auto", "remesh", "refuse")
 
 
 @dataclass(frozen=True)
-class Wishes:
+class PieceOptions:
     """Options that shape the pieces in addition to the mesh, free of units, so that one cached answer serves every scale."""
 
     threshold: float = 0.05
@@ -38,19 +38,19 @@ class Wishes:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "threshold", within("threshold of the decomposition", self.threshold, 0.01, 1.0, InvalidInput))
-        whole("seed of the decomposition", self.seed, 0, 2**31 - 1)
-        whole("most vertices of a piece", self.most_vertices, 8, 4096)
+        require_whole_number("seed of the decomposition", self.seed, 0, 2**31 - 1)
+        require_whole_number("most vertices of a piece", self.most_vertices, 8, 4096)
         if self.fit is not None:
             object.__setattr__(self, "fit", positive("fit of the pieces", self.fit, InvalidInput))
         if self.most_pieces is not None:
-            whole("most pieces of a mesh", self.most_pieces, 1, 4096)
+            require_whole_number("most pieces of a mesh", self.most_pieces, 1, 4096)
         if not isinstance(self.hull, bool):
             raise InvalidInput("whether a mesh becomes its hull", self.hull, "True or False")
         if self.repair not in REPAIRS:
             raise UnknownName("repair", self.repair, REPAIRS)
 
 
-def whole(thing: str, value: object, low: int, high: int) -> int:
+def require_whole_number(thing: str, value: object, low: int, high: int) -> int:
     """Return `value` if it is a whole number from low to high."""
     if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
         raise InvalidInput(thing, value, f"a whole number from {low} to {high}")
@@ -67,7 +67,7 @@ _POOL = re.compile(r"iter (\d+) ---- waiting pool: (\d+)")
 _SHARE = re.compile(r"Processing \[([\d.]+)%\]")
 
 
-def decomposed(meshes: list[Mesh], wishes: Wishes, remesh: bool, stream: TextIO | None) -> list[Array]:
+def decomposed(meshes: list[Mesh], options: PieceOptions, remesh: bool, stream: TextIO | None) -> list[Array]:
     """Return vertices (n, 3) of convex hulls that approximate the meshes, in their unit. Equal options give equal bits.
 
     `remesh` first wraps each surface in a closed one. Raises MissingPackage without coacd, InvalidShape if CoACD fails.
@@ -79,25 +79,25 @@ def decomposed(meshes: list[Mesh], wishes: Wishes, remesh: bool, stream: TextIO 
     middle, size = 0.5 * (used.min(axis=0) + used.max(axis=0)), float(np.linalg.norm(np.ptp(used, axis=0)))
     with tempfile.TemporaryDirectory(prefix="avatarsim-pieces-") as folder:
         source, target = Path(folder) / "wanted.npz", Path(folder) / "found.npz"
-        given: dict[str, Any] = {}
+        arrays: dict[str, Any] = {}
         for k, mesh in enumerate(meshes):
             # only vertices in use, of size 1 about the origin: then neither the unit nor the place changes a bit
             part = mesh.part(np.ones(len(mesh.triangles), dtype=bool))
-            given[f"vertices{k}"], given[f"triangles{k}"] = (part.vertices - middle) / size, part.triangles
-        given |= {
-            "meshes": len(meshes), "threshold": wishes.threshold, "seed": wishes.seed, "remesh": remesh,
-            "resolution": REMESH_RESOLUTION, "most": wishes.most_pieces or -1,
+            arrays[f"vertices{k}"], arrays[f"triangles{k}"] = (part.vertices - middle) / size, part.triangles
+        arrays |= {
+            "meshes": len(meshes), "threshold": options.threshold, "seed": options.seed, "remesh": remesh,
+            "resolution": REMESH_RESOLUTION, "most": options.most_pieces or -1,
         }
-        np.savez(source, **given)
+        np.savez(source, **arrays)
         with Progress(f"decomposing {name}", stream) as progress:
             command = [sys.executable, "-m", "avatarsim.assets.meshes.coacd_process", str(source), str(target)]
-            said, code = _run(command, len(meshes), progress)
+            output, code = _run(command, len(meshes), progress)
         hulls = []
         if code == 0 and target.is_file():
             with np.load(target, allow_pickle=False) as found:
                 hulls = [found[f"hull{k}"] * size + middle for k in range(len(found.files))]
     if not hulls:
-        last = said[-1] if said else f"code {code}"
+        last = output[-1] if output else f"code {code}"
         raise InvalidShape(f"decomposition of {name}", last, "a mesh that CoACD can decompose; try repair='remesh' or hull=True")
     return hulls
 
@@ -109,12 +109,12 @@ def _run(command: list[str], meshes: int, progress: Progress) -> tuple[list[str]
     process = subprocess.Popen(
         command, cwd=ROOT, env=calm, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
     )
-    said: list[str] = []
+    output: list[str] = []
     mesh, settled, waiting, share = -1, 0, 1, 0.0
     try:
         assert process.stdout is not None
         for line in process.stdout:
-            said = [*said[-5:], line.strip()]
+            output = [*output[-5:], line.strip()]
             if line.startswith("mesh "):
                 mesh, settled, waiting, share = mesh + 1, 0, 1, 0.0
             elif found := _POOL.search(line):
@@ -124,7 +124,7 @@ def _run(command: list[str], meshes: int, progress: Progress) -> tuple[list[str]
             # finished parts, of those known so far: cutting a part makes new ones, so the share may step back
             part = (settled + share * waiting) / max(settled + waiting, 1)
             progress.step((max(mesh, 0) + part) / meshes, f"{waiting} parts in this round")
-        return said, process.wait()
+        return output, process.wait()
     finally:
         if process.poll() is None:
             process.kill()

@@ -40,7 +40,7 @@ def added(hulls: list[Hull], surface: Surface, inside: Inside, tolerance: float)
     best = _on_hulls(hulls, surface, inside)
     above, found = 0.0, 0.0 if best is None else surface.exact(best)
     while len(boxes.owner):
-        boxes.keep(boxes.touch_hull())
+        boxes.select(boxes.touch_hull())
         enough = found + max(tolerance, SHARP * found)
         reach = np.linalg.norm(boxes.half, axis=1)
         far, near = surface.distances(boxes.middle, np.maximum(reach, found))
@@ -57,7 +57,7 @@ def added(hulls: list[Hull], surface: Surface, inside: Inside, tolerance: float)
         if len(far) - int(settled.sum()) > MOST_BOXES:
             settled[:] = True
         above = max(above, float(bound[settled].max(initial=0.0)))
-        boxes.keep(~settled)
+        boxes.select(~settled)
         boxes.halve()
     below = 0.0 if best is None else surface.exact(best)
     return max(above, below), below
@@ -85,7 +85,7 @@ class _Boxes:
         self.owner: Indices = np.arange(len(hulls))
         self.free = np.zeros(len(hulls), dtype=bool)
 
-    def keep(self, chosen: NDArray[np.bool_]) -> None:
+    def select(self, chosen: NDArray[np.bool_]) -> None:
         self.middle, self.half = self.middle[chosen], self.half[chosen]
         self.owner, self.free = self.owner[chosen], self.free[chosen]
 

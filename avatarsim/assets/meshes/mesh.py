@@ -146,7 +146,7 @@ STL_HEADER, STL_TRIANGLE = 84, 50
 """Bytes of a binary STL file before its first triangle, the last four of them the number of triangles, and for each of these."""
 
 
-def whole_stl(name: str, content: bytes) -> bytes:
+def complete_stl(name: str, content: bytes) -> bytes:
     """Return the content of an STL file; text, in which a name may be of any encoding, as UTF-8.
     Raises InvalidFile for a cut file: trimesh takes a binary of wrong length for text, and of cut text the solids before."""
     size, count = len(content), int.from_bytes(content[STL_HEADER - 4 : STL_HEADER], "little")
@@ -204,12 +204,12 @@ def _by_trimesh(path: Path, ending: str) -> Mesh:
     source: io.BytesIO | str = str(path)
     unit = 1.0
     if ending == ".stl":
-        source = io.BytesIO(whole_stl(path.name, read_bytes(path, thing, valid)))
+        source = io.BytesIO(complete_stl(path.name, read_bytes(path, thing, valid)))
     elif ending == ".dae":
         content = read_bytes(path, thing, valid)
         source, unit = io.BytesIO(content), collada_unit(path.name, content)
 
-    class Beside(trimesh.resolvers.FilePathResolver):
+    class FolderResolver(trimesh.resolvers.FilePathResolver):
         """Resolver of the files that a .gltf names, relative to its folder; they must be regular too."""
 
         def get(self, name: str) -> bytes:
@@ -217,8 +217,8 @@ def _by_trimesh(path: Path, ending: str) -> Mesh:
 
     try:
         # a COLLADA file names pictures, which are not opened
-        beside = None if ending == ".dae" else Beside(str(path))
-        loaded = trimesh.load_mesh(source, file_type=ending[1:], process=False, resolver=beside)
+        resolver = None if ending == ".dae" else FolderResolver(str(path))
+        loaded = trimesh.load_mesh(source, file_type=ending[1:], process=False, resolver=resolver)
         vertices = unit * np.array(loaded.vertices, dtype=np.float64).reshape(-1, 3)
         triangles = np.array(loaded.faces, dtype=np.int64).reshape(-1, 3)
     except Exception as error:  # exceptions of a reader of foreign files are not listed anywhere

@@ -194,33 +194,33 @@ def mended(mesh: Mesh, crossings: bool = True) -> Sound:
 
     `crossings` False leaves out the search for triangles that go through one another.
     """
-    said: list[str] = []
-    mesh = _without_degenerates(_merged(mesh, said), said)
+    notes: list[str] = []
+    mesh = _without_degenerates(_merged(mesh, notes), notes)
     if not len(mesh.triangles):
         raise InvalidShape(f"number of triangles of {mesh.name}", 0, "at least 4 with three different corners")
     edges = edges_of(mesh.triangles)
     part = parts(len(mesh.triangles), edges)
     if edges.open:
         fault = Fault(f"number of border edges of {mesh.name}", edges.open, f"0, a closed surface; {ADVICE}", open=True)
-        return Sound(mesh, tuple(said), (fault,), part)
-    turned = _one_way(mesh, edges, said)
+        return Sound(mesh, tuple(notes), (fault,), part)
+    turned = _one_way(mesh, edges, notes)
     if turned is None:
         thing = f"number of edges of {mesh.name} where neighbours face opposite sides"
         fault = Fault(thing, edges.unbalanced, f"0, or a surface that has two sides; {ADVICE}", open=True)
-        return Sound(mesh, tuple(said), (fault,), part)
-    mesh = _outwards(turned, part, said)
+        return Sound(mesh, tuple(notes), (fault,), part)
+    mesh = _outwards(turned, part, notes)
     pairs = crossing_pairs(mesh.vertices, mesh.triangles) if crossings else np.zeros((0, 2), dtype=np.int64)
     within = int((part[pairs[:, 0]] == part[pairs[:, 1]]).sum())
     hollow = any(signed_volume(mesh.corners[part == k]) < 0.0 for k in np.unique(part)) if len(pairs) else False
     if within or hollow:
         thing = f"number of pairs of triangles of {mesh.name} that go through each other"
-        return Sound(mesh, tuple(said), (Fault(thing, len(pairs), f"0; {ADVICE}", crossing=True),), part)
+        return Sound(mesh, tuple(notes), (Fault(thing, len(pairs), f"0; {ADVICE}", crossing=True),), part)
     if len(pairs):
-        said.append(f"{len(np.unique(part[pairs]))} closed parts go through one another: every part was decomposed by itself")
-    return Sound(mesh, tuple(said), (), part, separate=bool(len(pairs)))
+        notes.append(f"{len(np.unique(part[pairs]))} closed parts go through one another: every part was decomposed by itself")
+    return Sound(mesh, tuple(notes), (), part, separate=bool(len(pairs)))
 
 
-def _merged(mesh: Mesh, said: list[str]) -> Mesh:
+def _merged(mesh: Mesh, notes: list[str]) -> Mesh:
     """Merge equal vertices into the first of them, its coordinates untouched."""
     used = np.unique(mesh.triangles)
     grid = np.round((mesh.vertices[used] - mesh.vertices[used].min(axis=0)) / max(WELD * mesh.size, 1e-300))
@@ -229,13 +229,13 @@ def _merged(mesh: Mesh, said: list[str]) -> Mesh:
     if not lost:
         return mesh
     if mesh.welded:
-        said.append(f"{lost} vertices at the place of another were merged with it")
+        notes.append(f"{lost} vertices at the place of another were merged with it")
     target = np.zeros(len(mesh.vertices), dtype=np.int64)
     target[used] = used[first[place.ravel()]]
     return replace(mesh, triangles=target[mesh.triangles])
 
 
-def _without_degenerates(mesh: Mesh, said: list[str]) -> Mesh:
+def _without_degenerates(mesh: Mesh, notes: list[str]) -> Mesh:
     """Drop triangles with fewer than three corners, and pairs of copies that face each other or the same way.
 
     A triangle of three different corners in a line stays: it may close a seam, and it takes no room.
@@ -243,19 +243,19 @@ def _without_degenerates(mesh: Mesh, said: list[str]) -> Mesh:
     t = mesh.triangles
     thin = (t[:, 0] == t[:, 1]) | (t[:, 1] == t[:, 2]) | (t[:, 2] == t[:, 0])
     if thin.any():
-        said.append(f"{int(thin.sum())} triangles with fewer than three different corners were dropped")
+        notes.append(f"{int(thin.sum())} triangles with fewer than three different corners were dropped")
         mesh = replace(mesh, triangles=t[~thin], groups=mesh.groups[~thin])
     if len(mesh.triangles):
         _, first = np.unique(np.sort(mesh.triangles, axis=1), axis=0, return_index=True)
         copies = len(mesh.triangles) - len(first)
         if copies:
-            said.append(f"{copies} triangles with the corners of another were dropped")
+            notes.append(f"{copies} triangles with the corners of another were dropped")
             kept = np.sort(first)
             mesh = replace(mesh, triangles=mesh.triangles[kept], groups=mesh.groups[kept])
     return mesh
 
 
-def _one_way(mesh: Mesh, edges: Edges, said: list[str]) -> Mesh | None:
+def _one_way(mesh: Mesh, edges: Edges, notes: list[str]) -> Mesh | None:
     """Return the mesh with every two neighbours facing the same side; None when there is no such choice."""
     if not edges.unbalanced:
         return mesh
@@ -266,11 +266,11 @@ def _one_way(mesh: Mesh, edges: Edges, said: list[str]) -> Mesh | None:
     if edges_of(triangles).unbalanced:
         return None
     count = int(min(flips.sum(), (~flips).sum()))
-    said.append(f"{count} triangles faced another side than their neighbours and were turned over")
+    notes.append(f"{count} triangles faced another side than their neighbours and were turned over")
     return replace(mesh, triangles=triangles)
 
 
-def _outwards(mesh: Mesh, part: Indices, said: list[str]) -> Mesh:
+def _outwards(mesh: Mesh, part: Indices, notes: list[str]) -> Mesh:
     """Turn over every part that faces inwards, unless it bounds a hollow inside another part."""
     triangles, corners, turned = mesh.triangles.copy(), mesh.corners, 0
     inward = [k for k in np.unique(part) if signed_volume(corners[part == k]) < 0.0]
@@ -280,7 +280,7 @@ def _outwards(mesh: Mesh, part: Indices, said: list[str]) -> Mesh:
             triangles[own] = triangles[own][:, ::-1]
             turned += 1
     if turned:
-        said.append(f"{turned} closed part{'s' if turned > 1 else ''} faced inwards and was turned outwards")
+        notes.append(f"{turned} closed part{'s' if turned > 1 else ''} faced inwards and was turned outwards")
     return replace(mesh, triangles=triangles)
 
 

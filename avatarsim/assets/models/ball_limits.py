@@ -29,7 +29,7 @@ class Beyond:
     unit: str = "rad"
 
     @property
-    def said(self) -> str:
+    def text(self) -> str:
         """Excess with its unit, for a sentence."""
         return f"{1e3 * self.most:.1f} mm" if self.unit == "m" else f"{np.degrees(self.most):.1f} degrees"
 

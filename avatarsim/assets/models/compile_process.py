@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from avatarsim.assets import caps
-from avatarsim.assets.models import doors
+from avatarsim.assets.models import preflight
 from avatarsim.assets.models.compiled import VISIBLE_GROUPS
 from avatarsim.assets.models.mesh_files import MeshFiles
 from avatarsim.assets.models.spec_repairs import bare, with_solid_moments
@@ -76,12 +76,12 @@ def compiled(path: Path, folder: Path, scale: float = 1.0, collide: str = "colli
 
 def compiled_by_mujoco(
     path: Path, folder: Path, scale: float = 1.0, collide: str = "collision", limited: bool = True
-) -> tuple[Any, doors.Texts, list[str], list[str]]:
+) -> tuple[Any, preflight.Texts, list[str], list[str]]:
     """Return MuJoCo's model of a file, its texts, bodies whose moments were raised, meshes that were thickened.
     If `limited`, this process is limited by the files' sizes.
 
     Raises InvalidFile."""
-    texts = doors.texts_of(path, folder, collide)
+    texts = preflight.texts_of(path, folder, collide)
     import mujoco
 
     def count(read: int) -> None:
@@ -95,7 +95,7 @@ def compiled_by_mujoco(
     try:
         spec = mujoco.MjSpec.from_file(NOWHERE + texts.main, vfs=vfs)
         files = MeshFiles(texts, NOWHERE, count)
-        files.hand_over(spec)
+        files.attach_meshes(spec)
         bare(spec, mujoco)
         in_metres(spec, scale, mujoco.mjtJoint.mjJNT_SLIDE)
         mended = with_solid_moments(spec)
@@ -105,8 +105,8 @@ def compiled_by_mujoco(
             _swap_shapes(spec)
         return _compiled(spec, files, mujoco), texts, mended, files.plates
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
-        said = " ".join(str(error).replace(NOWHERE, "").split())
-        raise InvalidFile(f"model {path.name}", said, "a model that MuJoCo's compiler takes") from error
+        text = " ".join(str(error).replace(NOWHERE, "").split())
+        raise InvalidFile(f"model {path.name}", text, "a model that MuJoCo's compiler takes") from error
 
 
 def _swap_shapes(spec: Any) -> None:
@@ -188,7 +188,7 @@ def _unread(model: Any, mujoco: Any) -> list[str]:
         "wind, density or viscosity of a medium": option.density or option.viscosity or option.wind.any(),
         "gravity compensation of loose bodies": (model.body_gravcomp[loose] != 0.0).any(),
     }
-    return [said for said, is_stated in stated.items() if is_stated]
+    return [text for text, is_stated in stated.items() if is_stated]
 
 
 def _keyframes(model: Any, mujoco: Any, scale: float) -> dict[str, Any]:
@@ -228,7 +228,7 @@ def main(arguments: list[str]) -> int:
     os.dup2(2, 1)
     limit(SECONDS)
     try:
-        numbers = compiled(path, doors.folder_of(path, arguments[1]), float(arguments[2]), arguments[3])
+        numbers = compiled(path, preflight.folder_of(path, arguments[1]), float(arguments[2]), arguments[3])
     except InvalidFile as error:
         value = error.value if isinstance(error.value, str | int | float) else repr(error.value)
         numbers = {"refused": np.array(json.dumps([error.thing, value, error.valid]))}

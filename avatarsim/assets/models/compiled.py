@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.assets import caps
-from avatarsim.assets.models import doors
+from avatarsim.assets.models import preflight
 from avatarsim.assets.models.mujoco_versions import check_folder
 from avatarsim.errors import ROOT, InvalidFile, MissingPackage
 from avatarsim.spatial import rotation
@@ -169,15 +169,15 @@ class Compiled:
 
 def compiled(path: Path, folder: str | Path | None = None, scale: float = 1.0, collide: str = "collision") -> Compiled:
     """Return the model of an MJCF or URDF file, compiled by MuJoCo in a separate process with limits.
-    `scale` is metres a unit of length, `collide` of `doors.COLLIDE` the shapes that collide.
+    `scale` is metres a unit of length, `collide` of `preflight.COLLIDE` the shapes that collide.
 
-    All files that it names must lie in `folder`; see `doors.folder_of`. Raises InvalidFile for a file that is refused, with the
+    All files that it names must lie in `folder`; see `preflight.folder_of`. Raises InvalidFile for a refused file, with the
     reason; MissingPackage without mujoco; UnsupportedVersion where two versions of it overwrote each other."""
-    doors.require_model(path)
+    preflight.require_model(path)
     if find_spec("mujoco") is None:
         raise MissingPackage("mujoco", "assets", f"reading {path.name}")
     check_folder()
-    return received(path.name, _run(path, doors.folder_of(path, folder), scale, collide))
+    return received(path.name, _run(path, preflight.folder_of(path, folder), scale, collide))
 
 
 def received(name: str, content: bytes) -> Compiled:
@@ -203,7 +203,7 @@ def _run(path: Path, folder: Path, scale: float, collide: str) -> bytes:
             command, cwd=nowhere, env=calm, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE
         )
         try:
-            content, said = process.communicate(timeout=LONGEST_RUN)
+            content, output = process.communicate(timeout=LONGEST_RUN)
         except subprocess.TimeoutExpired:
             raise InvalidFile(f"time for model {path.name} [s]", LONGEST_RUN, "a model that compiles in less") from None
         finally:
@@ -213,7 +213,7 @@ def _run(path: Path, folder: Path, scale: float, collide: str) -> bytes:
         return content
     if process.returncode in (-signal.SIGXCPU, -signal.SIGALRM):
         raise InvalidFile(f"time to compile model {path.name}", "too long", "a smaller model: 4 s, and 0.25 s for each megabyte")
-    last = (said.decode("utf-8", "replace").strip().splitlines() or ["without a word"])[-1]
+    last = (output.decode("utf-8", "replace").strip().splitlines() or ["without a word"])[-1]
     ended = f"MuJoCo's compiler ended by {_ending(process.returncode)}: {last}"
     raise InvalidFile(f"model {path.name}", ended, "a model that it compiles within 2 GB")
 

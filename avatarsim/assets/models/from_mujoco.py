@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 from avatarsim.assets import caps
 from avatarsim.assets.models.compiled import Compiled, EqualityKind, GeomKind, JointKind, compiled
 from avatarsim.assets.models.coordinates import Coordinates
-from avatarsim.assets.models.doors import COLLIDE
 from avatarsim.assets.models.laws import Laws
-from avatarsim.assets.models.links_of_tree import UNTURNED, JointWishes, Skeleton, Tree, skeleton_of, tree_of, trees
+from avatarsim.assets.models.links_of_tree import UNTURNED, JointOptions, Skeleton, Tree, skeleton_of, tree_of, trees
 from avatarsim.assets.models.masses import Masses
 from avatarsim.assets.models.mesh_files import PLATE
 from avatarsim.assets.models.model import Model, Visuals, without_pairs
 from avatarsim.assets.models.pairs import Filter, Part
-from avatarsim.assets.models.pieces_of_geoms import Frames, Geoms, MeshWishes, Visual, quaternion_of, vector_of
+from avatarsim.assets.models.pieces_of_geoms import Frames, Geoms, MeshOptions, Visual, quaternion_of, vector_of
+from avatarsim.assets.models.preflight import COLLIDE
 from avatarsim.assets.models.spec_scale import LARGEST, SMALLEST
 from avatarsim.assets.models.start import start_pose
 from avatarsim.assets.models.urdf_visuals import visuals_of_urdf
@@ -65,8 +65,8 @@ class Options:
     avatar: str | tuple[str, ...] | None = None
     driven: bool | None = True
     folder: str | Path | None = None
-    joints: JointWishes = field(default_factory=JointWishes)
-    pieces: MeshWishes = field(default_factory=MeshWishes)
+    joints: JointOptions = field(default_factory=JointOptions)
+    pieces: MeshOptions = field(default_factory=MeshOptions)
     leave: tuple[str, ...] = ()
     masks: bool = True
     materials: tuple[str, str] = ("human", "wood")
@@ -94,7 +94,7 @@ class _Reading:
 
     def __init__(self, model: Compiled, path: Path, options: Options) -> None:
         self._m, self._path, self._file, self._options = model, path, path.name, options
-        self._said: list[str] = []
+        self._notes: list[str] = []
         self._names = _distinct([name or f"body {k}" for k, name in enumerate(model.body_name)])
         self._masses = Masses(model, self._names)
         self._title = model.model_name.strip() if model.model_name not in ("", UNNAMED) else path.stem
@@ -127,36 +127,36 @@ class _Reading:
         bodies = [*self._world(), *(body for bodies in forest if bodies[0] not in (chosen or ()) for body in self._body(bodies))]
         exclude = self._excluded(tree, avatar)
         welds = self._welds(tree, avatar, start, bodies)
-        self._say_equalities(welds)
-        self._said += [*self._pose.said(), *self._geoms.said(), *self._masses.said(), *self._laws.said()]
+        self._note_equalities(welds)
+        self._notes += [*self._pose.notes(), *self._geoms.notes(), *self._masses.notes(), *self._laws.notes()]
         if self._m.plate_name:
-            self._said.append(f"flat meshes are plates, {PLATE:g} of their size thick: {', '.join(self._m.plate_name)}")
+            self._notes.append(f"flat meshes are plates, {PLATE:g} of their size thick: {', '.join(self._m.plate_name)}")
         if self._m.plugin_name:
-            self._said.append(f"plugins are left out: {', '.join(self._m.plugin_name)}")
+            self._notes.append(f"plugins are left out: {', '.join(self._m.plugin_name)}")
         if self._m.unread_name:
-            self._said.append(f"left out, though the file states it: {', '.join(self._m.unread_name)}")
+            self._notes.append(f"left out, though the file states it: {', '.join(self._m.unread_name)}")
         gravity = vector_of(self._m.gravity)
         if gravity != EARTH:
-            self._said.append(f"gravity is {', '.join(f'{g:g}' for g in gravity)} m/s^2, as in the file")
+            self._notes.append(f"gravity is {', '.join(f'{g:g}' for g in gravity)} m/s^2, as in the file")
         found = Model(
             avatar, None if skeleton is None else skeleton.coordinates, tuple(bodies), (), exclude, start,
             moving=tuple(self._moving), attached=tuple(welds.values()), gravity=gravity,
-            frictions=self._laws.found(), visuals=self._drawn(),
+            frictions=self._laws.frictions(), visuals=self._page_visuals(),
         )
         if not (found.room if avatar is None else any(link.pieces for link in avatar.links)):
             of = "" if avatar is None else f"avatar {avatar.name} in "
             raise InvalidFile(f"shapes of {of}{self._file} that collide", 0, _SHAPES[self._options.collide])
         if self._options.exclude:
             found = without_pairs(found, self._options.exclude)
-        said: tuple[str, ...] = ()
+        notes: tuple[str, ...] = ()
         if avatar is not None or any(body.role is Role.SIMULATED for body in bodies):
             # the engine's compiler, which is not needed for a room alone
             from avatarsim.assets.models.overlaps import freed
 
-            found, said = freed(found, tree is not None and tree.is_free)
-        return replace(found, said=(*self._said, *said))
+            found, notes = freed(found, tree is not None and tree.is_free)
+        return replace(found, notes=(*self._notes, *notes))
 
-    def _drawn(self) -> Mapping[str, tuple[Visual, ...]]:
+    def _page_visuals(self) -> Mapping[str, tuple[Visual, ...]]:
         """Return parts that pages draw in place of pieces; visuals of URDF are read when a page needs them."""
         drawn = self._visuals | {name: self._geoms.visuals(frames) for name, frames in self._frames.items()}
         own = {name: parts for name, parts in drawn.items() if parts}
@@ -171,9 +171,9 @@ class _Reading:
         """Return the tree of the avatar: the named one, or the one with the most joints.
 
         A free joint makes a body loose, so it does not count unless the file has one tree and nothing else to drive."""
-        asked = self._options.avatar
-        if asked is not None:
-            chosen = {self._tree_with(name, forest) for name in ((asked,) if isinstance(asked, str) else asked)}
+        requested = self._options.avatar
+        if requested is not None:
+            chosen = {self._tree_with(name, forest) for name in ((requested,) if isinstance(requested, str) else requested)}
             if chosen:
                 return tuple(sorted(b for bodies in chosen for b in bodies))
         jointed = self._m.jnt_bodyid[self._m.jnt_type != JointKind.FREE]
@@ -217,9 +217,9 @@ class _Reading:
         if self._free_root():
             wanted = replace(wanted, root="free")
         tree = tree_of(self._m, bodies, wanted, self._file)
-        self._said += tree.said
+        self._notes += tree.notes
         if self._m.body_mocapid[tree.root] >= 0 and not tree.is_free:
-            self._said.append(f'{self._names[tree.root]} is a mocap body and stays where it is; root="free" lets it go')
+            self._notes.append(f'{self._names[tree.root]} is a mocap body and stays where it is; root="free" lets it go')
         return tree
 
     def _start(self, tree: Tree, avatar: Avatar, coordinates: Coordinates) -> TrackerSample:
@@ -234,7 +234,7 @@ class _Reading:
         axes = [axis for link in avatar.links for axis in axes_of(link.joint)]
         angles = [min(max(angle, axis.lower), axis.upper) for angle, axis in zip(posture.angles, axes, strict=True)]
         if beyond := int((np.abs(angles - posture.angles) > LIMIT_ROUNDING).sum()):
-            self._said.append(f"{beyond} joints start at their limits, beyond which the file has them at the start")
+            self._notes.append(f"{beyond} joints start at their limits, beyond which the file has them at the start")
         return replace(posture, angles=avatar.with_followers(np.array(angles, dtype=np.float64)))
 
     def _material_of_link(self, body: int) -> str:
@@ -262,7 +262,7 @@ class _Reading:
         held = sum(self._m.jnt_type[j] != JointKind.FREE for j in joints)
         if held and np.isin(self._m.geom_bodyid, bodies).any():
             named = self._names[bodies[0]]
-            self._said.append(f"{named} is no avatar: its {held} joints stay at the reference{self._driven_too(bodies)}")
+            self._notes.append(f"{named} is no avatar: its {held} joints stay at the reference{self._driven_too(bodies)}")
         if not geoms:
             return []
         name = self._own_name(self._names[bodies[0]])
@@ -279,7 +279,7 @@ class _Reading:
         if self._m.body_mocapid[bodies[0]] >= 0:
             mass = self._masses.of(bodies, poses, pieces).mass
             self._moving.append(moving(name, pieces, material, position=at, orientation=turn, mass=mass))
-            self._said.append(f"{name} is a mocap body: it goes where its pose is given, as a moving body")
+            self._notes.append(f"{name} is a mocap body: it goes where its pose is given, as a moving body")
             return []
         if is_loose:
             return [simulated(name, pieces, material, self._masses.of(bodies, poses, pieces), at, turn)]
@@ -308,19 +308,19 @@ class _Reading:
         """Return pairs of links that never touch, besides parent and child: by welds, by exclusions of the file, by masks."""
         parent = {link.name: link.parent for link in skeleton.links}
         parts = self._link_parts(tree, self._names)
-        found, masked, neighbours = [], 0, 0
-        kept_apart = set(self._filter.kept_apart(parts))
+        found, masked, adjacent = [], 0, 0
+        excluded = set(self._filter.excluded_pairs(parts))
         for k, two in enumerate(parts):
             for j, one in enumerate(parts[:k]):
                 apart = self._filter.apart(one, two)
-                neighbours += self._filter.states(one, two) and (apart or parent[two.name] == one.name)
-                if parent[two.name] != one.name and (apart or (j, k) in kept_apart):
+                adjacent += self._filter.states(one, two) and (apart or parent[two.name] == one.name)
+                if parent[two.name] != one.name and (apart or (j, k) in excluded):
                     found.append((one.name, two.name))
                     masked += not apart
         if masked:
-            self._said.append(f"{masked} pairs of links never touch, as the file has it (exclude, contype, conaffinity)")
-        if neighbours:
-            self._said.append(f"{neighbours} pairs of links never touch, though the file states them: a joint or a weld has both")
+            self._notes.append(f"{masked} pairs of links never touch, as the file has it (exclude, contype, conaffinity)")
+        if adjacent:
+            self._notes.append(f"{adjacent} pairs of links never touch, though the file states them: a joint or a weld has both")
         return tuple(found)
 
     def _link_parts(self, tree: Tree, names: dict[int, str]) -> list[Part]:
@@ -343,9 +343,9 @@ class _Reading:
         links = [] if tree is None else self._link_parts(tree, names)
         parts, first = [*room, *links], len(room)
         found = [(one.name, two.name) for two in links if two.weld == 0 for one in room if one.weld == 0]
-        masked = [(parts[i].name, parts[j].name) for i, j in self._filter.kept_apart(parts) if i < first]
+        masked = [(parts[i].name, parts[j].name) for i, j in self._filter.excluded_pairs(parts) if i < first]
         if masked:
-            self._said.append(f"{len(masked)} pairs with bodies never touch, as the file has it (exclude, contype, conaffinity)")
+            self._notes.append(f"{len(masked)} pairs with bodies never touch, as the file has it (exclude, contype, conaffinity)")
         return (*found, *masked)
 
     def _scene_names(self, tree: Tree, avatar: Avatar) -> dict[int, str]:
@@ -368,7 +368,7 @@ class _Reading:
             carrying |= self._scene_names(tree, avatar)
         return attaching_welds(self._m, carried, carrying)
 
-    def _say_equalities(self, welds: Container[int]) -> None:
+    def _note_equalities(self, welds: Container[int]) -> None:
         """Report equalities other than joint couplings and deformable bodies, which are left out, and planes."""
         left = [
             self._m.eq_name[k] or f"{EqualityKind(int(kind)).name.lower()} {k}"
@@ -376,14 +376,14 @@ class _Reading:
             if kind != EqualityKind.JOINT and self._m.eq_active0[k] and k not in welds
         ]
         if left:
-            self._said.append(f"equalities of bodies and tendons are left out, loops stay open: {', '.join(left)}")
+            self._notes.append(f"equalities of bodies and tendons are left out, loops stay open: {', '.join(left)}")
         if self._m.flexes:
-            self._said.append(f"{self._m.flexes} deformable bodies are left out")
+            self._notes.append(f"{self._m.flexes} deformable bodies are left out")
         planes = int((self._m.geom_type[self._geoms.touching] == GeomKind.PLANE).sum())
         if planes:
             boxes = "plane is a box" if planes == 1 else "planes are boxes"
             wide, _, deep = self._geoms.plane
-            self._said.append(f"{planes} {boxes} of {wide:.0f} m by {wide:.0f} m, {deep:.0f} m deep")
+            self._notes.append(f"{planes} {boxes} of {wide:.0f} m by {wide:.0f} m, {deep:.0f} m deep")
 
 
 def _distinct(names: list[str]) -> dict[int, str]:

@@ -83,26 +83,26 @@ def human(
         for k, bone in enumerate(skeleton.bones)
     )
     avatar = Avatar(skeleton.name, links, at_rest=_overlapping(Avatar(skeleton.name, links), standing))
-    said = [
+    notes = [
         f"shapes, masses ({mass:g} kg in all) and ranges of motion of {skeleton.name} are a construction by its joints' names "
         "and mean human bodies, not a measurement of what was recorded",
     ]
     unknown = [bone.name for bone, part in zip(skeleton.bones, named, strict=True) if not part.kind]
     if unknown:
-        said.append(f"joints of unknown name, without limits and with radii by the length of their bones: {', '.join(unknown)}")
+        notes.append(f"joints of unknown name, without limits and with radii by the length of their bones: {', '.join(unknown)}")
     if limits and standing is None:
-        said.append("joints without limits: no standing posture, at rest or in the clip, to count ranges of motion from")
+        notes.append("joints without limits: no standing posture, at rest or in the clip, to count ranges of motion from")
     elif limits:
         where = "at rest" if frame is None else "of a frame of the clip"
-        said.append(f"ranges of motion are counted from the standing posture {where}; limits=False leaves joints free")
+        notes.append(f"ranges of motion are counted from the standing posture {where}; limits=False leaves joints free")
     limits_of = {link.name: link.joint.limits for link in links if isinstance(link.joint, Ball)}
     free = [name for name, one in limits_of.items() if one is not None and one.twist == ANY_TWIST]
     if free:
-        said.append(f"joints whose twist has no limit, as their frames at rest are turned about too far: {', '.join(free)}")
+        notes.append(f"joints whose twist has no limit, as their frames at rest are turned about too far: {', '.join(free)}")
     if avatar.at_rest:
         listed = ", ".join(f"{a} and {b} by {1e3 * depth:.3g} mm" for a, b, depth in avatar.at_rest)
-        said.append(f"pairs that overlap in a standing posture, and may up to: {listed}")
-    return Model(avatar, coordinates(avatar, skeleton), (), tuple(said))
+        notes.append(f"pairs that overlap in a standing posture, and may up to: {listed}")
+    return Model(avatar, coordinates(avatar, skeleton), (), tuple(notes))
 
 
 def coordinates(avatar: Avatar, skeleton: Skeleton) -> Coordinates:

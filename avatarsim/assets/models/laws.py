@@ -107,7 +107,7 @@ class Laws:
             raise InvalidFile(f"frictions of geoms of {self._file}", len(self._stated), f"up to {caps.MATERIALS} different ones")
         return material
 
-    def found(self) -> Frictions:
+    def frictions(self) -> Frictions:
         """Return all materials so far."""
         stated = {frozenset((g, h)): friction for g, h, friction in sorted(self._pairs, key=itemgetter(2))}
         geoms: dict[str, list[int]] = {}
@@ -124,7 +124,7 @@ class Laws:
                 pairs[one, other] = max(found)
         return Frictions(self._stated, pairs)
 
-    def said(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[str, ...]:
         """Return a sentence on parts whose geoms differ in friction."""
         if not self._mixed:
             return ()

@@ -55,7 +55,7 @@ ROOTS = ("file", "free", "fixed")
 
 
 @dataclass(frozen=True)
-class JointWishes:
+class JointOptions:
     """Options of joints: names to `fix` at their reference, or "all" for those that an avatar cannot have; how the
     `root` moves."""
 
@@ -86,7 +86,7 @@ class Tree:
     limits: dict[int, tuple[float, float]]
     is_free: bool
     weld: dict[int, int]
-    said: tuple[str, ...]
+    notes: tuple[str, ...]
 
     @property
     def root(self) -> int:
@@ -109,11 +109,11 @@ def joint_name(model: Compiled, joint: int) -> str:
     return model.jnt_name[joint] or f"joint {joint} of {model.body_name[body] or f'body {body}'}"
 
 
-def tree_of(model: Compiled, bodies: tuple[int, ...], wanted: JointWishes, file: str) -> Tree:
+def tree_of(model: Compiled, bodies: tuple[int, ...], wanted: JointOptions, file: str) -> Tree:
     """Return the tree with fixed joints, or raise InvalidFile with the joints that an avatar cannot have, and advice."""
     own = [int(j) for j in np.flatnonzero(np.isin(model.jnt_bodyid, bodies))]
     names = {joint_name(model, j): j for j in own}
-    said: list[str] = []
+    notes: list[str] = []
     for name in wanted.fix if isinstance(wanted.fix, tuple) else ():
         if name not in names:
             raise UnknownName(f"joint to fix of {file}", name, names)
@@ -128,7 +128,7 @@ def tree_of(model: Compiled, bodies: tuple[int, ...], wanted: JointWishes, file:
     if wanted.root == "fixed":
         fixed |= set(free)
     if fixed:
-        said.append(f"fixed at the reference: {_list(model, sorted(fixed))}")
+        notes.append(f"fixed at the reference: {_list(model, sorted(fixed))}")
     tops = [b for b in bodies if model.body_parentid[b] == 0]
     if len(tops) > 1 and (wanted.root == "free" or set(free) - fixed):
         valid = 'a file whose trees are fixed to the world where several are one avatar; root="fixed" holds their free joints'
@@ -142,8 +142,8 @@ def tree_of(model: Compiled, bodies: tuple[int, ...], wanted: JointWishes, file:
     found = lines(model, own, sorted(fixed), file)
     limits = narrowed(found, {j: _limits(model, j) for j in own if j not in fixed}, {j: joint_name(model, j) for j in own}, file)
     if found:
-        said.append(f"coupled joints follow others: {_list(model, sorted(found))}")
-    return Tree(model, bodies, joints, tuple(sorted(fixed)), found, limits, is_free, weld, tuple(said))
+        notes.append(f"coupled joints follow others: {_list(model, sorted(found))}")
+    return Tree(model, bodies, joints, tuple(sorted(fixed)), found, limits, is_free, weld, tuple(notes))
 
 
 def _list(model: Compiled, joints: Sequence[int]) -> str:

@@ -6,11 +6,11 @@ from avatarsim.assets.meshes import pieces_of_mesh
 from avatarsim.assets.meshes.convex_pieces import turned
 from avatarsim.assets.meshes.mesh import BY_TRIMESH, read_mesh
 from avatarsim.assets.meshes.repairs import ADVICE
-from avatarsim.assets.models import doors
+from avatarsim.assets.models import preflight
 from avatarsim.assets.models.from_mujoco import Options, model_of_file
-from avatarsim.assets.models.links_of_tree import JointWishes
+from avatarsim.assets.models.links_of_tree import JointOptions
 from avatarsim.assets.models.model import Model
-from avatarsim.assets.models.pieces_of_geoms import PLANE, MeshWishes
+from avatarsim.assets.models.pieces_of_geoms import PLANE, MeshOptions
 from avatarsim.errors import InvalidFile, InvalidShape
 from avatarsim.scene.avatar import PLAUSIBLE_SIZE
 from avatarsim.scene.body import fixed
@@ -40,7 +40,7 @@ def load_avatar(
                 makes follow another along a curve; otherwise these are refused by name
     meshes      "hull": the convex hull of each mesh; "decompose": convex pieces by CoACD, open surfaces mended as `repair` sets,
                 which takes seconds for a mesh and is kept; or the names of those meshes to decompose
-    most_vertices   of a piece of a mesh, which encloses the mesh's hull; the added distance is in `said`
+    most_vertices   of a piece of a mesh, which encloses the mesh's hull; the added distance is in `notes`
     fit         [m] that enclosing a hull may add; where `most_vertices` add more, a piece has more vertices
     leave       names of geoms to leave out
     masks       False: links touch regardless of contype and conaffinity
@@ -54,15 +54,15 @@ def load_avatar(
     exclude     pairs of names of links or bodies that never touch, besides those of the file
 
     Other trees with a free joint are loose bodies, those without joints the fixed room. At the start loose bodies that overlap
-    are moved apart, a free avatar is raised out of the room, and links that overlap then may be no deeper; `said` lists them with
-    their depths, and all other differences from the file.
+    are moved apart, a free avatar is raised out of the room, and links that overlap then may be no deeper; `notes` lists them
+    with depths, and all other differences from the file.
     Raises InvalidFile for a rejected file, with file, place and advice; StartOverlaps for overlaps that can be neither moved
     apart nor guarded; UnknownName and InvalidInput for options that do not fit; MissingPackage without mujoco."""
     return model_of_file(
         Path(path),
         Options(
-            avatar, True if needed else None, folder, JointWishes(fix, root),
-            MeshWishes(meshes, most_vertices, repair, fit), leave, masks, size_range=size_range, scale=scale,
+            avatar, True if needed else None, folder, JointOptions(fix, root),
+            MeshOptions(meshes, most_vertices, repair, fit), leave, masks, size_range=size_range, scale=scale,
             collide=collide, keyframe=keyframe, exclude=exclude,
         ),
     )
@@ -82,15 +82,15 @@ def load_room(
         top = Piece(Box(PLANE), (0.0, 0.0, -0.5 * PLANE[2]))
         return Model(None, None, (fixed(FLOOR, (top,), "wood"),), ())
     path = Path(path)
-    if path.suffix.lower() in doors.MODELS:
-        wanted = MeshWishes(meshes, most_vertices, repair, fit)
+    if path.suffix.lower() in preflight.MODELS:
+        wanted = MeshOptions(meshes, most_vertices, repair, fit)
         options = Options(
             driven=False, folder=folder, pieces=wanted, leave=leave, scale=scale, collide=collide, keyframe=keyframe
         )
         return model_of_file(path, options)
     if path.suffix.lower() not in MESHES:
-        advice = doors.CONVERSION.get(path.suffix.lower())
-        valid = f"one of {' '.join((*doors.MODELS, *MESHES))}, or the word {FLOOR}"
+        advice = preflight.CONVERSION.get(path.suffix.lower())
+        valid = f"one of {' '.join((*preflight.MODELS, *MESHES))}, or the word {FLOOR}"
         raise InvalidFile(f"format of {path.name}", path.suffix, f"{valid}; {advice}" if advice else valid)
     try:
         mesh = read_mesh(path)
@@ -101,6 +101,6 @@ def load_room(
         # a room has pieces only, no single hull
         valid = error.valid.replace(ADVICE, 'repair="remesh" wraps it in a closed one')
         raise InvalidFile(error.thing, error.value, valid) from error
-    said = (f"{len(found.pieces)} convex pieces ({found.source}), at most {1e3 * found.hausdorff:.3g} mm off", *found.repairs)
+    notes = (f"{len(found.pieces)} convex pieces ({found.source}), at most {1e3 * found.hausdorff:.3g} mm off", *found.repairs)
     visuals = {path.stem: ((turned(scale * mesh.vertices, y_up), mesh.triangles),)}
-    return Model(None, None, (fixed(path.stem, found.pieces, "wood"),), said, visuals=visuals)
+    return Model(None, None, (fixed(path.stem, found.pieces, "wood"),), notes, visuals=visuals)

@@ -65,7 +65,7 @@ class Masses:
             self.rounded.append(name)
         return found
 
-    def said(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[str, ...]:
         """Return sentences on values of links and bodies that the file does not state."""
         found = []
         if self.without:

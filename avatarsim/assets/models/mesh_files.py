@@ -12,7 +12,7 @@ import numpy as np
 
 from avatarsim.assets import caps
 from avatarsim.assets.meshes.mesh import BY_TRIMESH, STL_HEADER, STL_TRIANGLE, read_mesh
-from avatarsim.assets.models import doors
+from avatarsim.assets.models import preflight
 from avatarsim.errors import InvalidFile, MissingPackage
 from avatarsim.files import read_bytes
 
@@ -39,7 +39,7 @@ class MeshFiles:
     assets   contents of files for MuJoCo, by generated names in place of paths
     plates   names of meshes that were given a thickness"""
 
-    texts: doors.Texts
+    texts: preflight.Texts
     nowhere: str
     read: Callable[[int], None]
     assets: dict[str, bytes] = field(default_factory=dict)
@@ -47,8 +47,8 @@ class MeshFiles:
     _names: dict[Path, str] = field(default_factory=dict)
     _bytes: int = 0
 
-    def hand_over(self, spec: Any) -> None:
-        """Give every mesh of the model its content. Raises InvalidFile for a missing or invalid mesh, or a path leading out."""
+    def attach_meshes(self, spec: Any) -> None:
+        """Attach the contents of all meshes. Raises InvalidFile for a missing or invalid mesh or a path leading out."""
         main = PurePosixPath(self.texts.main).parent
         # the folders of the texts of this model, its own first
         bases = list(dict.fromkeys([main, *(PurePosixPath(name).parent for name in self.texts.texts)]))
@@ -56,11 +56,11 @@ class MeshFiles:
         for mesh, meshdir in [(mesh, mesh.compiler.meshdir) for mesh in spec.meshes if mesh.file]:
             mesh.name = mesh.name or PurePosixPath(mesh.file).stem
             thing, file = f"mesh {mesh.name} of {self.texts.main}", mesh.file.removeprefix(self.nowhere)
-            doors.require_relative(thing, file)
+            preflight.require_relative(thing, file)
             # MuJoCo puts the folder of an included text before a name and shortens both: the name as written is tried too
             names = [file, self.texts.meshes.get(mesh.name, file)]
             tried = [path for name in names for path in candidates(name, meshdir, bool(spec.strippath), bases)]
-            self._give(mesh, thing, self._place(thing, file, tried))
+            self._attach(mesh, thing, self._place(thing, file, tried))
             mesh.content_type = mesh.compiler.meshdir = ""
         spec.meshdir, spec.strippath, spec.assets = "", False, self.assets
 
@@ -68,16 +68,16 @@ class MeshFiles:
         """Return the path of the file; of one in a format that is not read, a copy in another format next to it."""
         ending = PurePosixPath(file).suffix.lower()
         if ending in (*BY_MUJOCO, *CONVERTED):
-            return doors.existing(thing, tried, self.texts.folder)[1]
+            return preflight.existing(thing, tried, self.texts.folder)[1]
         copies = [path.with_suffix(other) for path in tried for other in (".obj", ".stl", ".STL", *CONVERTED)]
         try:
-            return doors.existing(thing, copies, self.texts.folder)[1]
+            return preflight.existing(thing, copies, self.texts.folder)[1]
         except InvalidFile as error:
             formats = " ".join((*BY_MUJOCO, *CONVERTED))
             valid = f"a file {formats}: convert it, and put the copy beside it under the same name"
             raise InvalidFile(thing, file, valid) from error
 
-    def _give(self, mesh: Any, thing: str, place: Path) -> None:
+    def _attach(self, mesh: Any, thing: str, place: Path) -> None:
         if place not in self._names:
             content = read_bytes(place, thing, "a readable mesh file", caps.BYTES - self._bytes)
             self._bytes += len(content)

@@ -55,7 +55,7 @@ class Model:
     bodies       the fixed room and loose bodies
     moving       bodies with given poses: MJCF's mocap bodies; they belong into `Scene.avatars`
     attached     loose bodies and the link or moving body that each is welded to, by their names in a scene
-    said         sentences for the user: what was excluded, fixed, guessed
+    notes        sentences for the user: what was excluded, fixed, guessed
     exclude      pairs of names that never touch, in addition to those of the avatar itself, as in `Scene.exclude`
     start        the avatar's posture at the file's reference, within limits, where it is free; None without an avatar
     gravity      [m/s^2]
@@ -67,7 +67,7 @@ class Model:
     avatar: Avatar | None
     coordinates: Coordinates | None
     bodies: tuple[Body, ...]
-    said: tuple[str, ...]
+    notes: tuple[str, ...]
     exclude: tuple[tuple[str, str], ...] = ()
     start: TrackerSample | None = None
     at_rest: tuple[tuple[str, str, float], ...] = ()
@@ -80,7 +80,7 @@ class Model:
     def scene(self, name: str = "model", room: "Model | None" = None) -> Scene:
         """Return a scene of the model at its start, in a room."""
         if room is not None:
-            return beside(self, room).scene(name)
+            return in_room(self, room).scene(name)
         avatars = self.moving if self.avatar is None else (self.avatar, *self.moving)
         start = self.start
         if start is not None and self.moving:
@@ -186,7 +186,7 @@ def without_pairs(model: Model, pairs: Sequence[tuple[str, str]]) -> Model:
     return replace(model, avatar=avatar, exclude=(*model.exclude, *others))
 
 
-def beside(model: Model, room: Model) -> Model:
+def in_room(model: Model, room: Model) -> Model:
     """Return a model in a room. Names of the room that the model has too get the prefix "room_".
 
     Gravity is the model's, that of the room where the model's is the Earth's.

@@ -68,16 +68,16 @@ def freed(model: Model, root_moves: bool) -> tuple[Model, tuple[str, ...]]:
         world = build(model.scene())
         found = deepest_overlaps(world)
     lengths = {name: 1e3 * float(np.linalg.norm(shift)) for name, shift in shifts.items()}
-    said = []
+    notes = []
     if listed := [f"{name} by {length:.3g} mm" for name, length in lengths.items() if length > 0.0]:
-        said.append(f"raised or moved at the start, out of what they stood in: {', '.join(listed)}")
+        notes.append(f"raised or moved at the start, out of what they stood in: {', '.join(listed)}")
     loose, fixed, _ = _roles(model)
     # links that touch at home, to rounding, could not be shown there either
     found = [
         one for one in deepest_overlaps(world, least=-NOTHING)
         if one.depth > NOTHING or not ({one.a, one.b} & loose or (root_moves and {one.a, one.b} & fixed))
     ]
-    return _guarded(model, world, found, root_moves, said)
+    return _guarded(model, world, found, root_moves, notes)
 
 
 def _farthest(model: Model, name: str) -> float:
@@ -138,7 +138,7 @@ def _moved(model: Model, moves: dict[str, Array]) -> Model:
 
 
 def _guarded(
-    model: Model, world: World, found: Iterable[Overlap], root_moves: bool, said: list[str]
+    model: Model, world: World, found: Iterable[Overlap], root_moves: bool, notes: list[str]
 ) -> tuple[Model, tuple[str, ...]]:
     """Return the model with the depths of overlapping pairs bounded, or raise StartOverlaps; welded bodies pass their avatar."""
     loose, fixed, held = _roles(model)
@@ -164,7 +164,7 @@ def _guarded(
     for some, what in ((guarded, "overlap at the start and may be no deeper"), (welded, "are welded, overlap, and never touch")):
         if some:
             listed = ", ".join(f"{one.a} and {one.b} by {1e3 * one.depth:.3g} mm" for one in some)
-            said.append(f"{len(some)} pairs {what}: {listed}")
+            notes.append(f"{len(some)} pairs {what}: {listed}")
     exclude = (*model.exclude, *((one.a, one.b) for one in welded))
     avatar, own_pairs, others = model.avatar, [], list(model.at_rest)
     links = {} if avatar is None else {f"{avatar.name}/{link.name}": link.name for link in avatar.links}
@@ -175,4 +175,4 @@ def _guarded(
             others.append((one.a, one.b, one.depth + ALLOWED))
     if avatar is not None and own_pairs:
         avatar = replace(avatar, at_rest=(*avatar.at_rest, *own_pairs))
-    return replace(model, avatar=avatar, exclude=exclude, at_rest=tuple(others)), tuple(said)
+    return replace(model, avatar=avatar, exclude=exclude, at_rest=tuple(others)), tuple(notes)

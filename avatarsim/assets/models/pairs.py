@@ -45,16 +45,16 @@ class Filter:
     def _excluded(self) -> frozenset[int]:
         return frozenset(self.model.exclude_signature.tolist())
 
-    def kept_apart(self, parts: Sequence[Part]) -> Iterator[tuple[int, int]]:
+    def excluded_pairs(self, parts: Sequence[Part]) -> Iterator[tuple[int, int]]:
         """Yield pairs i < j of parts, not both fixed, that the file keeps apart."""
         bits = np.array([self._bits(part.geoms) for part in parts], dtype=np.int64).reshape(-1, 2)
         named = self._named(parts)
         moves = [part.weld != 0 for part in parts]
         for i in [i for i, is_moving in enumerate(moves) if is_moving]:
             passing = (bits[i, 0] & bits[:, 1]) | (bits[i, 1] & bits[:, 0])
-            asked = named.get(i, set()) | ({int(j) for j in np.flatnonzero(passing == 0)} if self.masks else set())
+            candidates = named.get(i, set()) | ({int(j) for j in np.flatnonzero(passing == 0)} if self.masks else set())
             # of two moving ones, the pair is found from the first one
-            for j in sorted(j for j in asked if j != i and (j > i or not moves[j])):
+            for j in sorted(j for j in candidates if j != i and (j > i or not moves[j])):
                 if not self.meet(parts[i], parts[j]):
                     yield min(i, j), max(i, j)
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.assets.meshes import pieces_of_mesh
-from avatarsim.assets.meshes.decompose import Wishes
+from avatarsim.assets.meshes.decompose import PieceOptions
 from avatarsim.assets.meshes.enclosing import enclosing
 from avatarsim.assets.meshes.hulls import hull_of
 from avatarsim.assets.models.compiled import VISIBLE_GROUPS, Compiled, GeomKind
@@ -47,7 +47,7 @@ WAYS = ("hull", "decompose")
 
 
 @dataclass(frozen=True)
-class MeshWishes:
+class MeshOptions:
     """Options of meshes: `meshes` of WAYS, or the names of those to decompose, and the most vertices of each unless
     that adds more than `fit` [m]; `repair` of open surfaces, as in `pieces_of_mesh`."""
 
@@ -60,7 +60,7 @@ class MeshWishes:
         if not isinstance(self.meshes, tuple) and self.meshes not in WAYS:
             raise UnknownName("meshes", str(self.meshes), WAYS)
         # checked also where no mesh needs them
-        Wishes(most_vertices=self.most_vertices, repair=self.repair, fit=self.fit)
+        PieceOptions(most_vertices=self.most_vertices, repair=self.repair, fit=self.fit)
 
     def decomposes(self, mesh: str) -> bool:
         """Return True if a mesh of this name is decomposed."""
@@ -72,7 +72,7 @@ class Geoms:
     """The geoms of a model that bodies collide with, less those in `leave`. `roots` (n, 3): positions of moving roots [m]."""
 
     model: Compiled
-    wanted: MeshWishes = MeshWishes()
+    wanted: MeshOptions = MeshOptions()
     leave: tuple[str, ...] = ()
     roots: Array = field(default_factory=lambda: np.zeros((1, 3)))
     _hull: tuple[float, str] = (0.0, "")
@@ -212,7 +212,7 @@ class Geoms:
         self._decomposed = max(self._decomposed, (found.hausdorff, label))
         return tuple(piece.shape for piece in found.pieces if isinstance(piece.shape, ConvexHull))
 
-    def said(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[str, ...]:
         """Return sentences on differences between the pieces made so far and the file's geoms."""
         found = []
         if len(cylinders := np.flatnonzero(self.touching & (self.model.geom_type == GeomKind.CYLINDER))):

@@ -79,13 +79,13 @@ PELVIS = (0.03, 0.0, -0.22)
 """Place [m] of the pelvis's joint against the family's origin, at rest, forward, left, up: about that of a mean body."""
 
 
-def ours(vector: Array) -> Array:
+def from_smpl_axes(vector: Array) -> Array:
     """Convert (x, y, z) of the family, shape (..., 3), to the axes used here."""
     return np.asarray(vector[..., [2, 0, 1]])
 
 
-def theirs(vector: Array) -> Array:
-    """Convert (x, y, z) from the axes used here to the family's: the inverse of `ours`."""
+def to_smpl_axes(vector: Array) -> Array:
+    """Convert (x, y, z) from the axes used here to the family's: the inverse of `from_smpl_axes`."""
     return np.asarray(vector[..., [1, 2, 0]])
 
 
@@ -100,13 +100,13 @@ def approximate(member: str, stature: float = STATURE) -> tuple[Skeleton, Array]
     bones = []
     for name, parent in TREES[member]:
         bones.append(_bone(name, parent, _sized(_share(name, MIDDLE, LEFT), stature), stature))
-    return Skeleton(member, tuple(bones)), theirs(np.array(PELVIS)) * stature / STATURE
+    return Skeleton(member, tuple(bones)), to_smpl_axes(np.array(PELVIS)) * stature / STATURE
 
 
 def measured(member: str, joints: Array) -> tuple[Skeleton, Array]:
     """Return the skeleton of rest joints (n, 3) [m] in the family's axes, and the pelvis's place among them."""
     tree = TREES[member]
-    places = ours(joints[: len(tree)])
+    places = from_smpl_axes(joints[: len(tree)])
     # tips are not joints: those of the approximate skeleton, scaled to the distances of the body's joints
     whole = approximate(member)[0].rest[: len(tree)]
     stature = STATURE * float(np.ptp(places[:, 2]) / np.ptp(whole[:, 2]))

@@ -40,7 +40,7 @@ class StartPose:
         first = int(self.model.jnt_qposadr[free[0]])
         return self.qpos[first : first + 3], rotation.normalised(self.qpos[first + 3 : first + 7])
 
-    def said(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[str, ...]:
         """Return a sentence on the keyframe that is the start."""
         if self.key < 0:
             return ()

@@ -106,7 +106,7 @@ def require(place: Callable[[str], str], above: Sequence[Element], own: Element)
     `place` adds file and line to what an error is about."""
     is_robot = (*above, own)[0].tag == "robot"
     joint = above[-1].attributes.get("type") if is_robot and above else own.attributes.get("type")
-    of = _called(above, own)
+    of = _label(above, own)
     for key, rule in (URDF if is_robot else MJCF).get(own.tag, {}).items():
         if key in own.attributes and not ("axis" in (key, own.tag) and joint in TURNLESS):
             if own.tag == "geom" and key == "size":
@@ -122,7 +122,7 @@ def require(place: Callable[[str], str], above: Sequence[Element], own: Element)
             raise InvalidFile(place(f"lower and upper of {of}"), " and ".join(ends), valid)
 
 
-def _called(above: Sequence[Element], own: Element) -> str:
+def _label(above: Sequence[Element], own: Element) -> str:
     """Return the name of an element in errors: its own, or that of the nearest enclosing element that has a name."""
     if "name" in own.attributes:
         return f"{own.tag} {own.attributes['name']}"

@@ -44,11 +44,11 @@ VALID = "an .npz archive of arrays of numbers, as numpy.savez writes it"
 
 @dataclass(frozen=True, eq=False)
 class Archive:
-    """The arrays of a file `name` in its order, whether they were `packed`, and the names of entries that were `left_out`."""
+    """The arrays of a file `name` in its order, whether they were `compressed`, and the names of entries that were `left_out`."""
 
     name: str
     arrays: Mapping[str, AnyArray]
-    packed: bool
+    compressed: bool
     left_out: tuple[str, ...]
 
     def first(self, keys: tuple[str, ...]) -> str | None:
@@ -126,7 +126,7 @@ def finite_rows(thing: str, rows: AnyArray) -> Array:
     return values
 
 
-def opened(path: Path) -> Archive:
+def open_archive(path: Path) -> Archive:
     """Return the arrays of an .npz file. Raises InvalidFile for invalid files, and for those beyond limits of `assets.caps`."""
     name = path.name
     raw = caps.content(path, f"archive {name}", VALID)
@@ -143,8 +143,8 @@ def opened(path: Path) -> Archive:
                     arrays[key] = found
     except DAMAGED as error:
         raise InvalidFile(f"archive {name}", f"damaged or no archive: {error}", VALID) from error
-    packed = any(member.compress_type != zipfile.ZIP_STORED for member in members.values())
-    return Archive(name, arrays, packed, tuple(left_out))
+    compressed = any(member.compress_type != zipfile.ZIP_STORED for member in members.values())
+    return Archive(name, arrays, compressed, tuple(left_out))
 
 
 def _members(name: str, file: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
@@ -195,7 +195,7 @@ def _no_array(thing: str, value: str, error: Exception | None = None) -> NoRetur
     raise InvalidFile(thing, value, VALID) from error
 
 
-def packed(arrays: Mapping[str, AnyArray], compressed: bool) -> bytes:
+def npz_bytes(arrays: Mapping[str, AnyArray], compressed: bool) -> bytes:
     """Return an .npz file of these arrays, as equal bytes at any time."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED if compressed else zipfile.ZIP_STORED) as file:

@@ -110,16 +110,16 @@ def read_asf(path: str | Path) -> Asf:
     name = path.name
     sections = dict[str, list[tuple[int, str]]]()
     current: list[tuple[int, str]] | None = None
-    for line, said in _lines(name, lines_of(path, "an ASF file")[0]):
-        if said.startswith(":"):
-            word, _, rest = said[1:].partition(" ")
+    for line, text in _lines(name, lines_of(path, "an ASF file")[0]):
+        if text.startswith(":"):
+            word, _, rest = text[1:].partition(" ")
             if word.lower() in sections:
                 raise InvalidFile(f"section of line {line} of {name}", quoted(word), "each section once")
             current = sections[word.lower()] = [(line, rest.strip())] if rest.strip() else []
         elif current is None:
-            raise InvalidFile(f"line {line} of {name}", quoted(said), "a section, such as :version, before all else")
+            raise InvalidFile(f"line {line} of {name}", quoted(text), "a section, such as :version, before all else")
         else:
-            current.append((line, said))
+            current.append((line, text))
     for wanted in ("root", "bonedata", "hierarchy"):
         if wanted not in sections:
             raise InvalidFile(f"sections of {name}", sorted(sections)[:20], f":{wanted} among them")
@@ -131,16 +131,16 @@ def read_asf(path: str | Path) -> Asf:
 
 def _lines(name: str, lines: list[str]) -> Iterator[tuple[int, str]]:
     """Yield (line, text) without comments and blank lines; lines count from 1."""
-    said = ((line, text.partition("#")[0].strip()) for line, text in numbered(name, lines))
-    return ((line, text) for line, text in said if text)
+    stripped = ((line, text.partition("#")[0].strip()) for line, text in numbered(name, lines))
+    return ((line, text) for line, text in stripped if text)
 
 
 def _units(name: str, lines: list[tuple[int, str]]) -> tuple[float | None, float]:
     """Return the `length` that the section states, None if it states none, and the unit of angle [rad]."""
     length, angle = None, DEGREE
-    for line, said in lines:
+    for line, text in lines:
         at = f"line {line} of {name}"
-        words = said.lower().split(None, 2)
+        words = text.lower().split(None, 2)
         if words[0] == "length" and len(words) > 1:
             length = number(at, words[1])
             if not length > 0.0:
@@ -181,9 +181,9 @@ def _dof(at: str, words: list[str]) -> tuple[str, ...]:
 
 def _root(name: str, lines: list[tuple[int, str]]) -> AsfBone:
     root = AsfBone(ROOT, lines[0][0] if lines else 0)
-    for line, said in lines:
+    for line, text in lines:
         at = f"line {line} of {name}"
-        word, *words = said.split(None, 9)
+        word, *words = text.split(None, 9)
         if word.lower() == "order":
             root.dof = _dof(at, words)
         elif word.lower() == "axis":
@@ -192,7 +192,7 @@ def _root(name: str, lines: list[tuple[int, str]]) -> AsfBone:
             root.position = _triple(at, words)
         elif word.lower() == "orientation":
             if any(_triple(at, words)):
-                raise InvalidFile(f"orientation of root in {at}", quoted(said), "0 0 0: readers differ in what others mean")
+                raise InvalidFile(f"orientation of root in {at}", quoted(text), "0 0 0: readers differ in what others mean")
     return root
 
 
@@ -200,29 +200,29 @@ def _bones(name: str, lines: list[tuple[int, str]]) -> list[AsfBone]:
     """Return the bones between `begin` and `end`, in the file's order."""
     found: list[AsfBone] = []
     bone: AsfBone | None = None
-    for line, said in lines:
+    for line, text in lines:
         at = f"line {line} of {name}"
-        word, *words = said.split(None, 9)
+        word, *words = text.split(None, 9)
         if word.lower() == "begin":
             if bone is not None:
-                raise InvalidFile(at, quoted(said), "an end of the bone before")
+                raise InvalidFile(at, quoted(text), "an end of the bone before")
             bone = AsfBone("", line)
         elif bone is None:
-            raise InvalidFile(at, quoted(said), "begin")
+            raise InvalidFile(at, quoted(text), "begin")
         elif word.lower() == "end":
-            found.append(_whole(name, bone, found))
+            found.append(_require_complete(name, bone, found))
             bone = None
         else:
-            _say(at, said, word.lower(), words, bone)
+            _parse_bone_line(at, text, word.lower(), words, bone)
     if bone is not None:
         raise InvalidFile(f"end of {name}", f"in the bone of line {bone.line}", "end after each begin")
     return found
 
 
-def _say(at: str, said: str, word: str, words: list[str], bone: AsfBone) -> None:
+def _parse_bone_line(at: str, text: str, word: str, words: list[str], bone: AsfBone) -> None:
     """Parse one line of a bone."""
     if word == "name":
-        bone.name = said[len(word) :].strip()
+        bone.name = text[len(word) :].strip()
         if not bone.name or len(bone.name) > caps.NAME or bone.name.lower() == ROOT:
             raise InvalidFile(f"name of a bone in {at}", quoted(bone.name), f"1 to {caps.NAME} characters, not {ROOT}")
     elif word == "direction":
@@ -235,7 +235,7 @@ def _say(at: str, said: str, word: str, words: list[str], bone: AsfBone) -> None
     elif word == "dof":
         bone.dof = _dof(at, words)
     elif word == "limits" or word.startswith("("):
-        pairs = re.findall(r"\(\s*([^\s()]+)\s+([^\s()]+)\s*\)", said)
+        pairs = re.findall(r"\(\s*([^\s()]+)\s+([^\s()]+)\s*\)", text)
         found = [(_limit(at, low), _limit(at, high)) for low, high in pairs]
         for low, high in found:
             if not low <= high:
@@ -243,16 +243,16 @@ def _say(at: str, said: str, word: str, words: list[str], bone: AsfBone) -> None
         bone.limits += found
     elif word == "bodymass":
         if not number(at, words[0] if words else "") >= 0.0:
-            raise InvalidFile(f"bodymass in {at}", quoted(said), "0 or more")
+            raise InvalidFile(f"bodymass in {at}", quoted(text), "0 or more")
     elif word not in ("id", "cofmass", "bodycolor", "radius"):
-        raise InvalidFile(at, quoted(said), "id, name, direction, length, axis, dof, limits or end")
+        raise InvalidFile(at, quoted(text), "id, name, direction, length, axis, dof, limits or end")
 
 
 def _limit(at: str, word: str) -> float:
     return float(word) if word.lower() in ("inf", "-inf") else number(at, word)
 
 
-def _whole(name: str, bone: AsfBone, before: list[AsfBone]) -> AsfBone:
+def _require_complete(name: str, bone: AsfBone, before: list[AsfBone]) -> AsfBone:
     """Return the bone if it has all required values."""
     at = f"the bone of line {bone.line} of {name}"
     if not bone.name:
@@ -276,10 +276,10 @@ def _tree(name: str, bones: list[AsfBone], lines: list[tuple[int, str]]) -> tupl
     by_name = {bone.name: bone for bone in bones}
     children = dict[str, list[str]]()
     carried: set[str] = set()
-    for line, said in lines:
-        if said.lower() in ("begin", "end"):
+    for line, text in lines:
+        if text.lower() in ("begin", "end"):
             continue
-        words = said.split(None, caps.LINKS + 1)
+        words = text.split(None, caps.LINKS + 1)
         for word in words:
             if word not in by_name:
                 raise InvalidFile(f"bone in line {line} of {name}", quoted(word), "root or a name of :bonedata")

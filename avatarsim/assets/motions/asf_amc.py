@@ -76,15 +76,15 @@ def read_amc(
 
     Raises InvalidFile for a file that is invalid or does not fit the skeleton, and names its line."""
     path = Path(path)
-    asf_path = skeleton_beside(path) if skeleton is None else Path(skeleton)
+    asf_path = skeleton_next_to(path) if skeleton is None else Path(skeleton)
     if asf_path is None:
         wanted = " or ".join(f"{stem}.asf" for stem in _stems(path))
         raise InvalidFile(f"skeleton of {path.name}", None, f"{wanted} beside it, or skeleton= with the ASF file")
     asf = read_asf(asf_path)
-    said = [] if skeleton is not None else [f"skeleton of {path.name}: {asf_path.name} beside it; skeleton= names another"]
+    notes = [] if skeleton is not None else [f"skeleton of {path.name}: {asf_path.name} beside it; skeleton= names another"]
     if rate is None:
         rate = USUAL_RATE
-        said.append(f"rate of {path.name}: {rate:g} frames a second, as CMU's; the format does not state it, rate= does")
+        notes.append(f"rate of {path.name}: {rate:g} frames a second, as CMU's; the format does not state it, rate= does")
     if not (isinstance(rate, (int, float)) and 0.0 < rate <= FASTEST_RATE):
         raise InvalidFile(f"rate of {path.name} [1/s]", rate, f"above 0, up to {FASTEST_RATE:g}")
     lines, newline = lines_of(path, "an AMC file")
@@ -103,14 +103,14 @@ def read_amc(
     axes, guesses = _axes(path.name, asf, lambda axes: stated.measured(made(axes)), angle, scale, up)
     _require_fixed(path.name, asf, dict(order), values, axes.scale)
     guesses += _beyond_stated(path.name, asf, dict(order), values, angle)
-    recording, at_home, taken = stated.taken(made(axes), (other.recording, other.home) if other else None)
+    recording, at_home, home_notes = stated.applied(made(axes), (other.recording, other.home) if other else None)
     return AmcFile(
-        name=path.name, recording=recording, home=at_home, said=(*said, *guesses, *taken), mass=mass, limits=limits,
+        name=path.name, recording=recording, home=at_home, notes=(*notes, *guesses, *home_notes), mass=mass, limits=limits,
         head=newline.join(lines[:head]), first=first, order=tuple(order), newline=newline,
     )
 
 
-def skeleton_beside(path: Path) -> Path | None:
+def skeleton_next_to(path: Path) -> Path | None:
     """Return the skeleton file that belongs to a motion file by their names: 02_01.asf or 02.asf next to 02_01.amc."""
     places = (path.with_name(stem + suffix) for stem in _stems(path) for suffix in (".asf", ".ASF"))
     return next((place for place in places if place.is_file()), None)
@@ -124,10 +124,10 @@ def _header(name: str, lines: list[str], asf: Asf) -> tuple[int, float]:
     """Return the count of lines before the first frame, and the unit of angle [rad]: the file's own, else its skeleton's."""
     angle = asf.angle
     for line, text in numbered(name, lines):
-        said = quoted(text.strip()).lower()
-        if said.startswith(":") and said[1:4] in ("deg", "rad"):
-            angle = angle_unit(f"line {line} of {name}", said[1:])
-        elif not said.startswith((":", "#")):
+        header = quoted(text.strip()).lower()
+        if header.startswith(":") and header[1:4] in ("deg", "rad"):
+            angle = angle_unit(f"line {line} of {name}", header[1:])
+        elif not header.startswith((":", "#")):
             return line - 1, angle
     raise InvalidFile(f"end of {name}", "before the first frame", "a line with the number of a frame")
 
@@ -145,7 +145,7 @@ def _frames(name: str, lines: list[str], head: int, asf: Asf) -> tuple[int, list
             continue
         at, words = f"line {line} of {name}", text.split()
         if len(words) == 1 and words[0].isdecimal():
-            _require_whole(name, order, seen, len(rows), line)
+            _require_complete(name, order, seen, len(rows), line)
             first = _frame_number(at, words[0], len(rows), first)
             values = np.empty(sum(columns.stop - columns.start for columns in order.values()))
             rows.append(values)
@@ -164,14 +164,14 @@ def _frames(name: str, lines: list[str], head: int, asf: Asf) -> tuple[int, list
             raise InvalidFile(f"bone in {at}", words[0], "one that the first frame has numbers for")
         else:
             values[order[words[0]]] = numbers
-    _require_whole(name, order, seen, len(rows), len(lines))
+    _require_complete(name, order, seen, len(rows), len(lines))
     missing = [bone.name for bone in asf.bones if bone.dof and bone.name not in order]
     if missing:
         raise InvalidFile(f"bones of {asf.name} without numbers in {name}", missing[:20], "none: fully specified frames")
     return first, list(order.items()), np.array(rows)
 
 
-def _require_whole(name: str, order: dict[str, slice], seen: set[str], frames: int, line: int) -> None:
+def _require_complete(name: str, order: dict[str, slice], seen: set[str], frames: int, line: int) -> None:
     """Raise InvalidFile if the frame that ends at a line lacks a bone that the first one has."""
     missing = [bone for bone in order if bone not in seen]
     if frames and missing:
@@ -207,18 +207,18 @@ def _axes(
     name: str, asf: Asf, made: Callable[[Axes], Recording], angle: float, scale: float | None, up: str | None
 ) -> tuple[Axes, list[str]]:
     """Return the axes of the clip: the unit of length as the skeleton states it, if a human of that size exists."""
-    axes, said = guessed(name, made, angle, asf.unit if scale is None else scale, up)
+    axes, notes = guessed(name, made, angle, asf.unit if scale is None else scale, up)
     if scale is not None:
-        return axes, said
+        return axes, notes
     tall = standing(made(axes))
     stated = "as it states" if asf.length else "the usual one, as it states none"
     if SHORTEST <= tall <= TALLEST:
-        said.append(f"unit of length of {asf.name}: {asf.unit:.6g} m, {stated}; with it the skeleton stands {tall:.2f} m tall")
-        return axes, said
+        notes.append(f"unit of length of {asf.name}: {asf.unit:.6g} m, {stated}; with it the skeleton stands {tall:.2f} m tall")
+        return axes, notes
     axes, guesses = guessed(name, made, angle, None, axes.up)
     left = f"{stated} ({asf.unit:.6g} m), with which the skeleton would stand {tall:.3g} m tall"
-    said.append(f"unit of length of {asf.name} is not {left}")
-    return axes, said + guesses
+    notes.append(f"unit of length of {asf.name} is not {left}")
+    return axes, notes + guesses
 
 
 def _require_fixed(name: str, asf: Asf, order: dict[str, slice], values: Array, scale: float) -> None:

@@ -80,8 +80,8 @@ class BvhFile(RecordedFile):
         and InvalidInput for steps that differ from each other."""
         self.require_own(model)
         values, step = self.recording.rows(motion)
-        said = self.step_text if step == self.recording.step else repr(step)
-        lines = [self.head, f"Frames: {len(values)}", f"Frame Time: {said}"]
+        step_text = self.step_text if step == self.recording.step else repr(step)
+        lines = [self.head, f"Frames: {len(values)}", f"Frame Time: {step_text}"]
         lines += [" ".join(map(repr, row)) for row in values.tolist()]
         return in_bytes(self.newline.join(lines) + self.newline)
 
@@ -119,14 +119,14 @@ def read_bvh(
     def made(axes: Axes) -> Recording:
         return _recording(name, joints, root, values, float(step_text), axes)
 
-    axes, said = guessed(name, lambda axes: stated.measured(made(axes)), DEGREE, scale, up)
-    said += _on_parents(name, joints, root, values, axes.scale, offsets)
-    recording, at_home, taken = stated.taken(made(axes), (other.recording, other.home) if other else None)
-    said += taken
+    axes, notes = guessed(name, lambda axes: stated.measured(made(axes)), DEGREE, scale, up)
+    notes += _on_parents(name, joints, root, values, axes.scale, offsets)
+    recording, at_home, home_notes = stated.applied(made(axes), (other.recording, other.home) if other else None)
+    notes += home_notes
     if root:
-        said.append(f"{joints[root].name} is the avatar's root: {joints[0].name} above it only carries it about")
+        notes.append(f"{joints[root].name} is the avatar's root: {joints[0].name} above it only carries it about")
     return BvhFile(
-        name=name, recording=recording, home=at_home, said=tuple(said), mass=mass, limits=limits,
+        name=name, recording=recording, home=at_home, notes=tuple(notes), mass=mass, limits=limits,
         head=newline.join(lines[:motion_at]), newline=newline, step_text=step_text,
     )
 
@@ -145,56 +145,56 @@ def _hierarchy(name: str, lines: list[str]) -> tuple[list[_Joint], int]:
     stack: list[int] = []
     awaited: int | None = None
     begun = False
-    for line, said in _statements(name, lines):
-        words = said.split(None, 7)
+    for line, text in _statements(name, lines):
+        words = text.split(None, 7)
         word = words[0].lower()
         at = f"line {line} of {name}"
         if not begun:
-            if said.lower() != "hierarchy":
-                raise InvalidFile(at, quoted(said), "HIERARCHY, with which a BVH file begins")
+            if text.lower() != "hierarchy":
+                raise InvalidFile(at, quoted(text), "HIERARCHY, with which a BVH file begins")
             begun = True
         elif awaited is not None:
-            if said != "{":
-                raise InvalidFile(at, quoted(said), "{ after the name of a joint")
+            if text != "{":
+                raise InvalidFile(at, quoted(text), "{ after the name of a joint")
             stack.append(awaited)
             awaited = None
         elif word == "motion" and not stack:
             return _number_columns(name, joints), line
         elif word in ("root", "joint"):
-            awaited = _open(at, name, said, word, joints, stack, line)
+            awaited = _open(at, name, text, word, joints, stack, line)
         elif word == "end" and len(words) > 1 and words[1].lower() == "site":
             if not stack or stack[-1] < 0:
-                raise InvalidFile(at, said, "an end site within a joint")
+                raise InvalidFile(at, text, "an end site within a joint")
             awaited = END
-        elif said == "}":
+        elif text == "}":
             if not stack:
-                raise InvalidFile(at, said, "a } for a { only")
+                raise InvalidFile(at, text, "a } for a { only")
             stack.pop()
         elif word == "offset" and stack:
             _offset(at, words, joints, stack)
         elif word == "channels" and stack and stack[-1] >= 0:
-            _channels(at, said, joints, joints[stack[-1]])
+            _channels(at, text, joints, joints[stack[-1]])
         else:
-            raise InvalidFile(at, quoted(said), "ROOT, JOINT, End Site, OFFSET, CHANNELS, a brace, or MOTION after the last one")
+            raise InvalidFile(at, quoted(text), "ROOT, JOINT, End Site, OFFSET, CHANNELS, a brace, or MOTION after the last one")
     open_joint = f", with {joints[stack[-1]].name} of line {joints[stack[-1]].line} open" if stack and stack[-1] >= 0 else ""
     raise InvalidFile(f"end of {name}", f"in the hierarchy{open_joint}", "a line MOTION and frames after it")
 
 
-def _open(at: str, name: str, said: str, word: str, joints: list[_Joint], stack: list[int], line: int) -> int:
+def _open(at: str, name: str, text: str, word: str, joints: list[_Joint], stack: list[int], line: int) -> int:
     """Begin a joint and return its number."""
-    called = readable(said[len(word) :].strip())
-    if not called or len(called) > caps.NAME:
-        raise InvalidFile(f"name of a joint in {at}", quoted(called), f"1 to {caps.NAME} characters")
+    joint_name = readable(text[len(word) :].strip())
+    if not joint_name or len(joint_name) > caps.NAME:
+        raise InvalidFile(f"name of a joint in {at}", quoted(joint_name), f"1 to {caps.NAME} characters")
     if (word == "root") != (not joints):
-        raise InvalidFile(at, quoted(said), "one ROOT, before every JOINT")
+        raise InvalidFile(at, quoted(text), "one ROOT, before every JOINT")
     if word == "joint" and (not stack or stack[-1] == END):
-        raise InvalidFile(at, quoted(said), "a JOINT within the braces of another")
+        raise InvalidFile(at, quoted(text), "a JOINT within the braces of another")
     if len(joints) >= caps.LINKS:
         raise InvalidFile(f"joints of {name}", f"more than {caps.LINKS} in line {line}", f"up to {caps.LINKS}")
-    same = [joint.line for joint in joints if joint.name == called]
+    same = [joint.line for joint in joints if joint.name == joint_name]
     if same:
-        raise InvalidFile(f"name of a joint in {at}", called, f"another than that of line {same[0]}")
-    joints.append(_Joint(called, stack[-1] if stack else -1, line))
+        raise InvalidFile(f"name of a joint in {at}", joint_name, f"another than that of line {same[0]}")
+    joints.append(_Joint(joint_name, stack[-1] if stack else -1, line))
     if stack:
         joints[stack[-1]].children += 1
     return len(joints) - 1
@@ -212,22 +212,22 @@ def _offset(at: str, words: list[str], joints: list[_Joint], stack: list[int]) -
         joints[top].offset = place
 
 
-def _channels(at: str, said: str, joints: list[_Joint], joint: _Joint) -> None:
+def _channels(at: str, text: str, joints: list[_Joint], joint: _Joint) -> None:
     """Parse a CHANNELS line."""
-    words = said.split(None, 9)
+    words = text.split(None, 9)
     count = words[1] if len(words) > 1 else ""
     if not re.fullmatch(r"[0-6]", count):
         raise InvalidFile(f"number of channels in {at}", quoted(count), "0 to 6")
     names = [word.lower() for word in words[2:]]
     if len(names) != int(count):
         raise InvalidFile(f"channels listed in {at}", len(names), f"{count}, as it says")
-    for k, called in enumerate(names):
-        if called not in CHANNELS or called in names[:k]:
+    for k, channel in enumerate(names):
+        if channel not in CHANNELS or channel in names[:k]:
             valid = "Xposition, Yposition, Zposition, Xrotation, Yrotation, Zrotation, each once at most"
             raise InvalidFile(f"channel in {at}", quoted(words[2 + k]), valid)
     if joint.channels is not None:
-        raise InvalidFile(at, quoted(said), f"one CHANNELS for {joint.name}")
-    joint.channels = tuple(CHANNELS[called] for called in names)
+        raise InvalidFile(at, quoted(text), f"one CHANNELS for {joint.name}")
+    joint.channels = tuple(CHANNELS[channel] for channel in names)
 
 
 def _number_columns(name: str, joints: list[_Joint]) -> list[_Joint]:
@@ -248,8 +248,8 @@ def _number_columns(name: str, joints: list[_Joint]) -> list[_Joint]:
 def _frames(name: str, lines: list[str], first: int, joints: list[_Joint]) -> tuple[Array, str]:
     """Return the numbers (F, columns) and the frame time as written. Raises InvalidFile."""
     rest = list(numbered(name, lines, first))
-    count, at_count = _said(name, rest, 0, r"frames\s*:?\s*(\S+)", "Frames: and how many there are")
-    step, at_step = _said(name, rest, 1, r"frame\s*time\s*:?\s*(\S+)", "Frame Time: and the seconds of a frame")
+    count, at_count = _match_line(name, rest, 0, r"frames\s*:?\s*(\S+)", "Frames: and how many there are")
+    step, at_step = _match_line(name, rest, 1, r"frame\s*time\s*:?\s*(\S+)", "Frame Time: and the seconds of a frame")
     if not (re.fullmatch(r"\+?\d{1,12}", count) and 1 <= int(count) <= caps.FRAMES):
         raise InvalidFile(f"number of frames in {at_count}", quoted(count), f"1 to {caps.FRAMES}")
     rows = rest[2:]
@@ -265,7 +265,7 @@ def _frames(name: str, lines: list[str], first: int, joints: list[_Joint]) -> tu
     return values, step
 
 
-def _said(name: str, rest: list[tuple[int, str]], k: int, pattern: str, valid: str) -> tuple[str, str]:
+def _match_line(name: str, rest: list[tuple[int, str]], k: int, pattern: str, valid: str) -> tuple[str, str]:
     """Match line k after MOTION with a pattern; return the value, and the line's name in errors."""
     if k >= len(rest):
         raise InvalidFile(f"end of {name}", "after MOTION", valid)
@@ -328,7 +328,7 @@ def _metres(axes: Axes, array: Array) -> tuple[float, float, float]:
 
 def _on_parents(name: str, joints: list[_Joint], root: int, values: Array, scale: float, offsets: str) -> list[str]:
     """Return sentences on the places of joints below the root; InvalidFile for one that varies, unless its mean is requested."""
-    said, added, meant = [], [], []
+    notes, added, meant = [], [], []
     for joint in joints[root + 1 :]:
         channels = joint.columns("position")
         if not channels:
@@ -345,7 +345,7 @@ def _on_parents(name: str, joints: list[_Joint], root: int, values: Array, scale
             off = scale * float(np.linalg.norm(values[:, columns] - mean, axis=1).max())
             meant.append(f"{joint.name} (up to {1e3 * off:.3g} mm off)")
     if added:
-        said.append(f"places of joints that are zero throughout are taken as added to their offsets: {', '.join(added)}")
+        notes.append(f"places of joints that are zero throughout are taken as added to their offsets: {', '.join(added)}")
     if meant:
-        said.append(f"joints that move on their parents sit at the mean of their places: {', '.join(meant)}")
-    return said
+        notes.append(f"joints that move on their parents sit at the mean of their places: {', '.join(meant)}")
+    return notes

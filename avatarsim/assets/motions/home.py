@@ -72,7 +72,7 @@ class StatedHome:
         """Return the frames by which units and the stature are measured: the stated one, else all."""
         return recording if self.file is not None or self.frame is None else recording.at([self.frame])
 
-    def taken(self, recording: Recording, other: tuple[Recording, Home] | None) -> tuple[Recording, Home, list[str]]:
+    def applied(self, recording: Recording, other: tuple[Recording, Home] | None) -> tuple[Recording, Home, list[str]]:
         """Return the recording on the skeleton of its home, the home, and a sentence where it depends on the clip.
 
         `other` is the content of another file. Raises InvalidInput for another skeleton and for a frame without a stance."""

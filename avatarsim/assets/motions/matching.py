@@ -51,7 +51,7 @@ def listed(joints: str | Iterable[str] | None) -> tuple[str, ...] | None:
     return None if joints is None else tuple(joints)
 
 
-def said_of_pickles(archive: Archive) -> list[str]:
+def pickles_note(archive: Archive) -> list[str]:
     """Return a sentence on entries of an archive that are not read."""
     left = shortened(archive.left_out)
     return [f"{archive.name}: left out, {left}: Python objects (a pickle) are not read"] if left else []
@@ -134,7 +134,7 @@ def _starts(name: str, layout: Layout, width: int, coordinates: Coordinates, fre
     return starts
 
 
-def taken(table: Array, chosen: Columns) -> Array:
+def columns_of(table: Array, chosen: Columns) -> Array:
     """Return generalized coordinates (F, width) of a table; 0 for fixed ones."""
     found = np.zeros((len(table), len(chosen)))
     found[:, chosen >= 0] = table[:, chosen[chosen >= 0]]

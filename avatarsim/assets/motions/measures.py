@@ -42,10 +42,10 @@ def guessed(
     if scale is not None and up is not None:
         return Axes(scale, angle, up), []
     rest, clip = _points(made(Axes(1.0, angle, "z")))
-    said = []
+    notes = []
     if up is None:
         up, reason = _up(rest, clip)
-        said.append(f"up axis guessed of {thing}: {up}, by {reason}; up= says it")
+        notes.append(f"up axis guessed of {thing}: {up}, by {reason}; up= says it")
     if scale is None:
         height = standing(made(Axes(1.0, angle, up)))
         fitting = [unit for unit in UNITS if SHORTEST <= unit * height <= TALLEST]
@@ -55,8 +55,8 @@ def guessed(
             raise InvalidFile(f"height of the skeleton of {thing}", found, valid)
         scale = min(fitting, key=lambda unit: abs(math.log(unit * height / STANDING)))
         tall = f"with which it stands {scale * height:.2f} m tall"
-        said.append(f"unit of length guessed of {thing}: {UNITS[scale]}, {tall}; scale= says it")
-    return Axes(scale, angle, up), said
+        notes.append(f"unit of length guessed of {thing}: {UNITS[scale]}, {tall}; scale= says it")
+    return Axes(scale, angle, up), notes
 
 
 def _points(recording: Recording) -> tuple[Array, Array]:

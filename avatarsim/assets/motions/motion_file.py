@@ -16,7 +16,7 @@ class MotionFile(Protocol):
         """"bvh", "amc", "npz", "csv" or "deepmimic"."""
 
     @property
-    def said(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[str, ...]:
         """Sentences for the user: units guessed, columns ignored."""
 
     @property
@@ -37,13 +37,13 @@ class MotionFile(Protocol):
 class Notes:
     """Notes of a reader for the user. More are added once the avatar's joints are known."""
 
-    notes: list[str] = field(default_factory=list)
+    sentences: list[str] = field(default_factory=list)
     object: ObjectPoses | None = None
 
     @property
-    def said(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[str, ...]:
         """Sentences for the user."""
-        return tuple(self.notes)
+        return tuple(self.sentences)
 
     def model(self) -> Model | None:
         """Return None: the file has no avatar."""
@@ -51,5 +51,5 @@ class Notes:
 
     def note(self, sentence: str) -> None:
         """Add a sentence, once."""
-        if sentence not in self.notes:
-            self.notes.append(sentence)
+        if sentence not in self.sentences:
+            self.sentences.append(sentence)

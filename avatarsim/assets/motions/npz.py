@@ -27,7 +27,7 @@ def read_npz(
     stature     [m] of the approximate skeleton
     mass        [kg] of the avatar
     limits      whether its joints get their range of motion"""
-    found = archive.opened(Path(path))
+    found = archive.open_archive(Path(path))
     of_robot = {"quaternion": quaternion, "joints": joints}
     of_body = {"offsets": offsets, "up": up, "stature": stature, "mass": mass, "limits": limits}
     if smpl.is_one(found):

@@ -150,7 +150,7 @@ def at_times(archive: Archive, before: Array, after: Array) -> dict[str, AnyArra
     return found
 
 
-def said_of(name: str, found: ObjectPoses | None) -> list[str]:
+def object_note(name: str, found: ObjectPoses | None) -> list[str]:
     """Return a sentence on an object whose shape another file has to give."""
     if found is None or found.size is not None:
         return []

@@ -22,14 +22,14 @@ class RecordedFile:
     name       of the file, for sentences
     recording  its clip on its skeleton
     home       the posture for measurements of its avatar
-    said       sentences on guesses
+    notes      sentences on guesses
     mass       of the avatar [kg]
     limits     whether its joints of known name have their range of motion"""
 
     name: str
     recording: Recording
     home: Home
-    said: tuple[str, ...]
+    notes: tuple[str, ...]
     mass: float
     limits: bool
     object: ClassVar[None] = None
@@ -37,9 +37,9 @@ class RecordedFile:
     @cached_property
     def _model(self) -> Model:
         recording, home = self.recording, self.home
-        built = human(recording.skeleton, home.stature, home.clip, self.mass, self.limits, not home.is_stated)
-        assert built.avatar is not None
-        return replace(built, said=(*built.said, *said_of_limits(self.name, built.avatar, recording.motion_within(built.avatar))))
+        model = human(recording.skeleton, home.stature, home.clip, self.mass, self.limits, not home.is_stated)
+        assert model.avatar is not None
+        return replace(model, notes=(*model.notes, *limits_note(self.name, model.avatar, recording.motion_within(model.avatar))))
 
     def model(self) -> Model:
         """Return the human avatar of the file's skeleton; its notes list the joints that the recording takes beyond limits."""
@@ -74,11 +74,11 @@ class RecordedFile:
             raise InvalidFile(f"link of the avatar for {self.name}", beyond, "none: the file has no such joint")
 
 
-def said_of_limits(name: str, avatar: Avatar, motion: Motion) -> tuple[str, ...]:
+def limits_note(name: str, avatar: Avatar, motion: Motion) -> tuple[str, ...]:
     """Return a sentence on the joints that a recording takes beyond its avatar's limits; none where it takes none."""
     beyond = beyond_limits(avatar, motion)
     if not beyond:
         return ()
-    listed = ", ".join(f"{one.joint} ({one.frames} frames, up to {one.said})" for one in beyond)
+    listed = ", ".join(f"{one.joint} ({one.frames} frames, up to {one.text})" for one in beyond)
     leaves = f"{name} itself leaves limits of joints in its {len(motion)} frames, and is clipped to them when run"
     return (f"{leaves}: {listed}",)

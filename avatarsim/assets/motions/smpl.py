@@ -19,12 +19,12 @@ from avatarsim.assets.models.from_skeleton import human
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.skeleton import Skeleton
 from avatarsim.assets.motions import matching
-from avatarsim.assets.motions.archive import AnyArray, Archive, opened, packed
+from avatarsim.assets.motions.archive import AnyArray, Archive, npz_bytes, open_archive
 from avatarsim.assets.motions.frame_times import restated, times_of
 from avatarsim.assets.motions.measures import POSTURES
 from avatarsim.assets.motions.motion_file import Notes
-from avatarsim.assets.motions.object_poses import at_times, object_of, said_of
-from avatarsim.assets.motions.recorded_file import said_of_limits
+from avatarsim.assets.motions.object_poses import at_times, object_note, object_of
+from avatarsim.assets.motions.recorded_file import limits_note
 from avatarsim.errors import InvalidFile, UnknownName
 from avatarsim.scene.joint import MANY_TURNS
 from avatarsim.scene.motion import Motion
@@ -88,7 +88,7 @@ def of_archive(
     return SmplFile(
         archive, times, poses.reshape(len(poses), -1, 3), trans, skeleton, pelvis, upright,
         BODY_MASS if mass is None else mass, limits is not False,
-        notes=[*notes, *matching.said_of_pickles(archive), *said_of(name, found)], object=found,
+        sentences=[*notes, *matching.pickles_note(archive), *object_note(name, found)], object=found,
     )
 
 
@@ -104,7 +104,7 @@ def _of_parts(archive: Archive) -> Array:
 
 def _rest_joints(path: Path, member: str) -> Array:
     """Return J (n, 3) [m] of a body model's file. Raises InvalidFile."""
-    archive = opened(path)
+    archive = open_archive(path)
     joints = archive.numbers("J")
     count = len(smpl_skeleton.TREES[member])
     if joints.ndim != 2 or joints.shape[1] != 3 or len(joints) < count or not np.abs(joints).max() < 10.0:
@@ -156,12 +156,12 @@ class SmplFile(Notes):
         looked_at = Motion(whole.times[few], whole.positions[few], whole.rotations[few], whole.angles[few])
         built = human(self.skeleton, float(np.ptp(self.skeleton.rest[:, 2])), looked_at, self.mass, self.limits)
         assert built.avatar is not None
-        return replace(built, said=(*built.said, *said_of_limits(self.name, built.avatar, whole)))
+        return replace(built, notes=(*built.notes, *limits_note(self.name, built.avatar, whole)))
 
     @cached_property
     def _recorded(self) -> Motion:
         """Return the motion of the skeleton's own avatar, whose links have x forward and z up."""
-        turns = rotation.from_rotation_vector(smpl_skeleton.ours(self.poses))
+        turns = rotation.from_rotation_vector(smpl_skeleton.from_smpl_axes(self.poses))
         root = rotation.multiply(rotation.from_rotation_vector(self.poses[:, 0]), AXES)
         turns[:, 0] = rotation.multiply(self.upright, root)
         places = np.zeros((*turns.shape[:2], 3))
@@ -218,18 +218,18 @@ class SmplFile(Notes):
                 turns = rotation.multiply(rotation.multiply(down, turns), rotation.conjugate(AXES))
                 vectors = rotation.to_rotation_vector(turns)
             else:
-                vectors = smpl_skeleton.theirs(rotation.to_rotation_vector(turns))
+                vectors = smpl_skeleton.to_smpl_axes(rotation.to_rotation_vector(turns))
             moved = (motion.rotations[:, link] != before.rotations[nearest, link]).any(axis=1)
             poses[moved, joint] = _nearer(vectors[moved], poses[moved, joint])
         place = rotation.rotate(down, motion.positions[:, slots[0]]) - self.pelvis
         moved = (motion.positions[:, slots[0]] != before.positions[nearest, slots[0]]).any(axis=1)
         trans[moved] = place[moved]
         if same_times and (poses == self.poses).all() and (trans == self.trans).all():
-            return packed(self.archive.arrays, self.archive.packed)
-        return self._packed(poses.reshape(len(poses), -1), trans, {} if same_times else
+            return npz_bytes(self.archive.arrays, self.archive.compressed)
+        return self._encoded(poses.reshape(len(poses), -1), trans, {} if same_times else
                             restated(self.archive, motion) | at_times(self.archive, self.times, motion.times))
 
-    def _packed(self, poses: Array, trans: Array, times: Mapping[str, AnyArray]) -> bytes:
+    def _encoded(self, poses: Array, trans: Array, times: Mapping[str, AnyArray]) -> bytes:
         """Return the archive with these poses, whole and in parts, as the file has them."""
         now = {POSES: poses, TRANS: trans}
         first = 0
@@ -240,4 +240,4 @@ class SmplFile(Notes):
             first += 3 * count
         arrays = self.archive.arrays
         now = {key: values for key, values in now.items() if key in arrays and arrays[key].shape[1:] == values.shape[1:]}
-        return packed(self.archive.rewritten(now, times, DERIVED, len(self.times) if times else None), self.archive.packed)
+        return npz_bytes(self.archive.rewritten(now, times, DERIVED, len(self.times) if times else None), self.archive.compressed)

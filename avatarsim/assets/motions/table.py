@@ -129,7 +129,7 @@ def read_csv(
     times = _times(name, numbers, rate, instants, notes)
     above = () if names is None else (lines[0],)
     store = TextStore(above, rows, delimiter or " ", end, numbers, columns, counting, instants)
-    return Trajectory(name, "csv", times, numbers[:, list(columns)], layout, store, notes=notes)
+    return Trajectory(name, "csv", times, numbers[:, list(columns)], layout, store, sentences=notes)
 
 
 def _cells(line: str, delimiter: str | None) -> list[str]:
@@ -186,8 +186,8 @@ def _named(name: str, names: list[str]) -> tuple[matching.Layout, int | None, in
     places: dict[str, int] = {}
     turns: dict[str, int] = {}
     joints: dict[str, int] = {}
-    for column, said in enumerate(names):
-        word = said.lower()
+    for column, column_name in enumerate(names):
+        word = column_name.lower()
         root = ROOT.fullmatch(word.replace(".", "_").replace(" ", "_"))
         if word in INDICES and counting is None:
             counting = column
@@ -195,9 +195,9 @@ def _named(name: str, names: list[str]) -> tuple[matching.Layout, int | None, in
             instants = column
         elif root is not None:
             turning = root["kind"] in TURNS or root["axis"] == "w"
-            _put(name, turns if turning else places, root["axis"], column, said)
+            _put(name, turns if turning else places, root["axis"], column, column_name)
         else:
-            _put(name, joints, caps.require_name(f"name of column {column} of {name}", said), column, said)
+            _put(name, joints, caps.require_name(f"name of column {column} of {name}", column_name), column, column_name)
     rooted = bool(places or turns)
     if rooted and (set(places) != set("xyz") or set(turns) != set("wxyz")):
         valid = "columns root_x, root_y, root_z, root_qw, root_qx, root_qy, root_qz, none of them, or a table without names"
@@ -207,9 +207,9 @@ def _named(name: str, names: list[str]) -> tuple[matching.Layout, int | None, in
     return layout, counting, instants, (*first, *joints.values())
 
 
-def _put(name: str, found: dict[str, int], key: str, column: int, said: str) -> None:
+def _put(name: str, found: dict[str, int], key: str, column: int, column_name: str) -> None:
     if key in found:
-        raise InvalidFile(f"name of column {column} of {name}", said, "names, each once")
+        raise InvalidFile(f"name of column {column} of {name}", column_name, "names, each once")
     found[key] = column
 
 

@@ -15,10 +15,10 @@ from avatarsim.assets import caps
 from avatarsim.assets.models.coordinates import Coordinates
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions import derived, matching
-from avatarsim.assets.motions.archive import AnyArray, Archive, packed
+from avatarsim.assets.motions.archive import AnyArray, Archive, npz_bytes
 from avatarsim.assets.motions.frame_times import restated, times_of
 from avatarsim.assets.motions.motion_file import Notes
-from avatarsim.assets.motions.object_poses import at_times, object_of, said_of
+from avatarsim.assets.motions.object_poses import at_times, object_note, object_of
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.motion import Motion
 from avatarsim.spatial import rotation
@@ -89,14 +89,14 @@ class Trajectory(Notes):
         return matching.columns(self.name, self.layout, self.table.shape[1], coordinates)
 
     def _motion(self, coordinates: Coordinates) -> Motion:
-        return matching.motion_of(self.name, matching.taken(self.table, self._columns(coordinates)), self.times, coordinates)
+        return matching.motion_of(self.name, matching.columns_of(self.table, self._columns(coordinates)), self.times, coordinates)
 
     def written(self, motion: Motion, model: Model) -> bytes:
         """Return the file with this motion. Unchanged frames keep the file's own numbers, to the bit."""
         coordinates = matching.coordinates_of_model(self.name, model)
         columns, before = self._columns(coordinates), self._motion(coordinates)
         same_times = len(motion) == len(before) and bool((motion.times == before.times).all())
-        near = matching.taken(self.table, columns) if same_times else None
+        near = matching.columns_of(self.table, columns) if same_times else None
         if same_times:
             now = self.table.copy()
         else:
@@ -130,7 +130,7 @@ class ArrayStore:
         """Return the archive with another table: entries that follow from the pose recomputed, or left out if that fails."""
         archive = self.archive
         if changed.nothing:
-            return packed(archive.arrays, archive.packed)
+            return npz_bytes(archive.arrays, archive.compressed)
         was, now = self._entries(changed.was), self._entries(changed.now)
         anew = derived.written_anew(archive, changed.model, changed.before, changed.after, was, now)
         if changed.stayed is None:
@@ -146,7 +146,7 @@ class ArrayStore:
                 values = rotation.with_signs_of(values, recorded, lasting).astype(values.dtype)
             anew[key] = np.where(lasting.reshape(-1, *(1,) * (values.ndim - 1)), recorded, values)
         found = archive.rewritten(now, anew, derived.ALL, len(changed.before) if changed.stayed is None else None)
-        return packed(self._with_root(found, changed.now), archive.packed)
+        return npz_bytes(self._with_root(found, changed.now), archive.compressed)
 
     def _entries(self, table: Array) -> dict[str, Array]:
         return {part.key: table[:, part.first : part.end] for part in self.parts if part.body is None}
@@ -185,7 +185,7 @@ def of_archive(archive: Archive, rate: float | None, quaternion: str | None, nam
     if quaternion is None:
         other = next(name for name in matching.ORDERS if name != order)
         notes.append(f'{archive.name}: quaternions taken as {", ".join(order)}; quaternion="{other}" says otherwise')
-    notes += matching.said_of_pickles(archive)
+    notes += matching.pickles_note(archive)
     table = np.concatenate([tables[part.key] for part in parts], axis=1)
     if follow := [key for key in archive.arrays if key in derived.ALL and key not in {part.key for part in parts}]:
         fate = "written anew where this avatar gives what was recorded, else left out"
@@ -194,7 +194,7 @@ def of_archive(archive: Archive, rate: float | None, quaternion: str | None, nam
     found = object_of(archive, times, order)
     return Trajectory(
         archive.name, "npz", times, table, matching.Layout(names, order), ArrayStore(archive, parts),
-        notes=notes + said_of(archive.name, found), object=found,
+        sentences=notes + object_note(archive.name, found), object=found,
     )
 
 

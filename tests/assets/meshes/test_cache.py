@@ -10,7 +10,7 @@ import pytest
 
 from avatarsim.assets.meshes import cache
 from avatarsim.assets.meshes.cache import Answer, key_of, load, store
-from avatarsim.assets.meshes.decompose import Wishes
+from avatarsim.assets.meshes.decompose import PieceOptions
 from avatarsim.assets.meshes.hausdorff import Deviation
 from tests.assets.meshes.solids import cube, ell, mesh
 
@@ -24,15 +24,15 @@ def same(one: Answer | None, other: Answer) -> bool:
     return all(np.array_equal(a, b) for a, b in zip(one.hulls, other.hulls, strict=True))
 
 
-@pytest.mark.parametrize("wish", [
+@pytest.mark.parametrize("option", [
     {"threshold": 0.06}, {"seed": 1}, {"most_vertices": 32}, {"most_pieces": 3}, {"hull": True}, {"repair": "remesh"},
 ])
-def test_every_wish_and_every_number_of_the_mesh_is_in_the_key(wish: dict[str, object]) -> None:
+def test_every_wish_and_every_number_of_the_mesh_is_in_the_key(option: dict[str, object]) -> None:
     thing = mesh(cube())
-    assert key_of(thing, Wishes()) == key_of(mesh(cube(), "other name"), Wishes())
-    assert key_of(thing, Wishes()) != key_of(thing, Wishes(**wish))  # type: ignore[arg-type]
-    assert len({key_of(thing, Wishes()), key_of(mesh(ell()), Wishes()), key_of(mesh(cube(0.0, 1.0 + 1e-15)), Wishes()),
-                key_of(replace(thing, groups=thing.groups + 1), Wishes())}) == 4
+    assert key_of(thing, PieceOptions()) == key_of(mesh(cube(), "other name"), PieceOptions())
+    assert key_of(thing, PieceOptions()) != key_of(thing, PieceOptions(**option))  # type: ignore[arg-type]
+    others = (mesh(ell()), mesh(cube(0.0, 1.0 + 1e-15)), replace(thing, groups=thing.groups + 1))
+    assert len({key_of(one, PieceOptions()) for one in (thing, *others)}) == 4
 
 
 def test_where_nothing_can_be_written_the_answer_is_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -41,7 +41,7 @@ class StandIn:
         self.hulls: list[Array] = []
         self.asked: list[tuple[int, bool]] = []
 
-    def __call__(self, meshes: list[object], wishes: object, remesh: bool, stream: object) -> list[Array]:
+    def __call__(self, meshes: list[object], options: object, remesh: bool, stream: object) -> list[Array]:
         assert self.hulls, "CoACD was called"
         self.asked.append((len(meshes), remesh))
         return self.hulls
@@ -179,13 +179,13 @@ def test_what_is_no_body_is_refused(mesh: Any, match: str) -> None:
         pieces_of_mesh(mesh)
 
 
-@pytest.mark.parametrize(("wish", "error", "match"), [
+@pytest.mark.parametrize(("option", "error", "match"), [
     ({"threshold": 5.0}, InvalidInput, "threshold of the decomposition is 5.0; valid: a finite number from 0.01 to 1"),
     ({"most_vertices": 3}, InvalidInput, "most vertices of a piece is 3; valid: a whole number from 8 to 4096"),
     ({"seed": -1}, InvalidInput, "seed"), ({"scale": 0.0}, InvalidInput, "scale of a mesh is 0"),
     ({"repair": "pray"}, UnknownName, "repair is 'pray'; valid: one of auto, refuse, remesh"),
     ({"hull": (971, 1.6)}, InvalidInput, "True or False"), ({"mesh": "nowhere.obj"}, InvalidFile, r"nowhere\.obj"),
 ])
-def test_wishes_out_of_range_are_refused(wish: dict[str, Any], error: type[InvalidInput], match: str) -> None:
+def test_options_out_of_range_are_refused(option: dict[str, Any], error: type[InvalidInput], match: str) -> None:
     with pytest.raises(error, match=match):
-        pieces_of_mesh(**{"mesh": cube(), **wish})
+        pieces_of_mesh(**{"mesh": cube(), **option})

@@ -61,7 +61,7 @@ def test_a_folded_skeleton_excludes_what_is_near_alone() -> None:
     flat = (replace(bone, offset=offset) for bone, offset in zip(SKELETON.bones, along, strict=True))
     folded = Skeleton("folded", tuple(flat))
     model = human(folded, 1.7, clip(folded, {}))
-    assert model.avatar is not None and model.said
+    assert model.avatar is not None and model.notes
     assert all(isinstance(link.joint, av.Free) or link.joint == av.Ball() for link in model.avatar.links)
 
 
@@ -86,7 +86,7 @@ def test_unknown_names_have_radii_and_masses_by_length() -> None:
     )
     skeleton = Skeleton("thing", bones)
     model = human(skeleton, 1.4, clip(skeleton, {}))
-    assert model.avatar is not None and len(model.said) >= 2
+    assert model.avatar is not None and len(model.notes) >= 2
     first = model.avatar.links[0].pieces[0].shape
     assert isinstance(first, av.Capsule) and first.radius == pytest.approx(0.075)
     assert model.avatar.links[0].mass.mass == pytest.approx(model.avatar.links[1].mass.mass)

@@ -117,7 +117,7 @@ def test_a_slide_is_a_joint_with_limits_in_metres(tmp_path: Path) -> None:
 
 def test_a_slide_may_be_fixed_at_the_reference(tmp_path: Path) -> None:
     model = driven(av.load_avatar(written(tmp_path, SLIDE), fix=("rail",)))
-    assert isinstance(model.avatar.links[0].joint, Rigid) and model.said
+    assert isinstance(model.avatar.links[0].joint, Rigid) and model.notes
     # its column stays at its place in the file, and has the reference again when written
     motion = model.coordinates.motion(np.array([[0.5, 0.25]]), np.zeros(1))
     np.testing.assert_array_equal(model.coordinates.rows(motion), [[0.0, 0.25]])

@@ -108,7 +108,7 @@ def test_moments_that_no_solid_has_are_raised(numbers: tuple[float, ...], tmp_pa
     text = f'<robot name="r"><link name="a">{ball}</link><link name="b">{ROD.format(*numbers)}{ball}</link>{joint}</robot>'
     (tmp_path / "r.urdf").write_text(text)
     model = av.load_avatar(tmp_path / "r.urdf")
-    assert model.avatar is not None and model.said
+    assert model.avatar is not None and model.notes
     mass = model.avatar.links[1].mass
     assert mass.mass == pytest.approx(numbers[0] or 1000.0 * 4.0 / 3.0 * np.pi * 1e-3)
     moments = np.linalg.eigvalsh(mass.inertia)

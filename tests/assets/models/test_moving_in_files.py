@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import avatarsim as av
-from avatarsim.assets.models.model import beside
+from avatarsim.assets.models.model import in_room
 from tests.assets.models.test_links_of_tree import written
 from tests.assets.motions.robots import Driven, driven
 
@@ -79,7 +79,7 @@ def test_the_moving_bodies_of_a_room_stand_beside_an_avatar(tmp_path: Path) -> N
     weld = '<equality><weld body1="door" body2="handle"/></equality>'
     room = av.load_room(written(tmp_path / "room", DOOR + HANDLE + FLOOR, weld))
     model = av.load_avatar(written(tmp_path, ARM + '<geom name="door" type="box" size=".1 .1 .1" pos="-1 0 0"/>'))
-    both = beside(model, room)
+    both = in_room(model, room)
     assert [one.name for one in both.moving] == ["room_door"] and both.attached == (("handle", "room_door"),)
     assert {"door", "room_door", "handle", "floor"} <= set(both.scene().names)
 

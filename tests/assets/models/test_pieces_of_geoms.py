@@ -9,7 +9,7 @@ import pytest
 
 import avatarsim as av
 from avatarsim.assets.meshes.hulls import hull_of
-from avatarsim.assets.models.model import beside
+from avatarsim.assets.models.model import in_room
 from avatarsim.assets.models.pieces_of_geoms import PLANE, SIDES
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.body import volume
@@ -108,7 +108,7 @@ FITS: tuple[dict[str, Any], ...] = ({"most_vertices": 20}, {"most_vertices": 20,
 
 def test_a_hull_of_fewer_vertices_holds_the_mesh(tmp_path: Path) -> None:
     path = meshed(tmp_path, torus(around=40, across=20))
-    few, closer, whole = (av.load_room(path, **wish).bodies[0].pieces[0].shape for wish in FITS)
+    few, closer, whole = (av.load_room(path, **option).bodies[0].pieces[0].shape for option in FITS)
     assert isinstance(few, av.ConvexHull) and isinstance(closer, av.ConvexHull) and isinstance(whole, av.ConvexHull)
     assert len(few.vertices) <= 20 < len(closer.vertices) <= len(whole.vertices)
     assert hull_of(few.vertices, "few").heights(whole.vertices).max() <= 1e-12
@@ -164,7 +164,7 @@ def test_a_mesh_without_thickness_is_a_plate(ending: str, tmp_path: Path) -> Non
     assert isinstance(piece.shape, av.ConvexHull)
     corners = rotation.rotate(piece.orientation, piece.shape.vertices) + np.array(piece.position)
     np.testing.assert_allclose(np.ptp(corners, axis=0), [0.2, 0.1, 2e-4], atol=1e-6)
-    assert any("m" in said for said in model.said)
+    assert any("m" in note for note in model.notes)
 
 
 def test_of_a_mesh_in_another_format_the_copy_beside_it_is_taken(tmp_path: Path) -> None:
@@ -234,7 +234,7 @@ def test_visuals_of_a_room_keep_to_their_bodies(tmp_path: Path) -> None:
     (tmp_path / "m.obj").write_text(obj_text(ell()))
     head = '<asset><mesh file="m.obj"/></asset>'
     model = av.load_avatar(written(tmp_path, SEEN, head=head))
-    both = beside(model, av.load_room(written(tmp_path, '<body name="stone"><geom type="mesh" mesh="m"/></body>', head=head)))
+    both = in_room(model, av.load_room(written(tmp_path, '<body name="stone"><geom type="mesh" mesh="m"/></body>', head=head)))
     assert set(both.visuals) == {*model.visuals, "room_stone"} <= set(both.scene().names)
 
 

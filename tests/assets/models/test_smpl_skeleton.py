@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from avatarsim.assets.models.smpl_skeleton import TREES, approximate, measured, ours, theirs, tree_of
+from avatarsim.assets.models.smpl_skeleton import TREES, approximate, from_smpl_axes, measured, to_smpl_axes, tree_of
 
 
 @pytest.mark.parametrize("member", TREES)
@@ -43,17 +43,17 @@ def test_the_approximate_body_is_as_tall_as_asked_and_even(member: str, stature:
 
 def test_axes_of_the_family_are_turned_and_not_mirrored() -> None:
     axes = np.eye(3)
-    assert np.allclose(theirs(ours(axes)), axes)
-    assert np.linalg.det(ours(axes)) == pytest.approx(1.0)
+    assert np.allclose(to_smpl_axes(from_smpl_axes(axes)), axes)
+    assert np.linalg.det(from_smpl_axes(axes)) == pytest.approx(1.0)
     # left, up, forward of the family are our y, z, x
-    assert ours(axes).tolist() == [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]
+    assert from_smpl_axes(axes).tolist() == [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]
 
 
 def test_joints_of_a_file_are_where_it_has_them() -> None:
     whole, pelvis = approximate("SMPL-H", 1.8)
-    joints = theirs(whole.rest[:52]) + pelvis
+    joints = to_smpl_axes(whole.rest[:52]) + pelvis
     found, place = measured("SMPL-H", np.concatenate([joints, np.zeros((3, 3))]))
-    assert np.allclose(theirs(found.rest[:52] - found.rest[0]), joints - joints[0], atol=1e-12)
+    assert np.allclose(to_smpl_axes(found.rest[:52] - found.rest[0]), joints - joints[0], atol=1e-12)
     assert np.allclose(place, pelvis)
     assert np.ptp(found.rest[:, 2]) == pytest.approx(1.8, rel=2e-3)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import avatarsim as av
-from avatarsim.assets.models.model import beside
+from avatarsim.assets.models.model import in_room
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
 from avatarsim.scene.body import Role
 
@@ -43,7 +43,7 @@ def test_gravity_is_that_of_the_file(tmp_path: Path, gravity: str, scale: float)
     model = av.load_room(mjcf(tmp_path, BALL, f'<option gravity="{gravity}"/>'), scale=scale)
     expected = scale * float(gravity.split()[2])
     assert model.gravity == pytest.approx((0.0, 0.0, expected))
-    assert any("gravity" in said for said in model.said) is (scale == 1.0)
+    assert any("gravity" in note for note in model.notes) is (scale == 1.0)
     heights = played(model, sqrt(2.0 * 0.95 * scale / -expected) + 0.1)[:, 2]
     landed = 0.004 * (1 + int(np.argmax(np.diff(heights) > 0.0)))
     assert landed == pytest.approx(sqrt(2.0 * 0.95 * scale / -expected), abs=0.008)
@@ -51,7 +51,7 @@ def test_gravity_is_that_of_the_file(tmp_path: Path, gravity: str, scale: float)
 
 def test_a_flag_takes_gravity_away(tmp_path: Path) -> None:
     model = av.load_room(mjcf(tmp_path, BALL, '<option><flag gravity="disable"/></option>'))
-    assert model.gravity == (0.0, 0.0, 0.0) and any("gravity" in said for said in model.said)
+    assert model.gravity == (0.0, 0.0, 0.0) and any("gravity" in note for note in model.notes)
 
 
 @pytest.mark.parametrize(
@@ -62,8 +62,8 @@ def test_a_flag_takes_gravity_away(tmp_path: Path) -> None:
     ],
 )
 def test_statements_without_a_counterpart_are_said(tmp_path: Path, option: str, word: str) -> None:
-    said = [one for one in av.load_room(mjcf(tmp_path, BALL, option)).said if "the file states" in one]
-    assert word in " ".join(said) if word else not said
+    note = [one for one in av.load_room(mjcf(tmp_path, BALL, option)).notes if "the file states" in one]
+    assert word in " ".join(note) if word else not note
 
 
 def test_gravity_of_the_earth_is_in_metres_in_any_unit(tmp_path: Path) -> None:
@@ -111,8 +111,8 @@ def test_friction_of_several_geoms_and_of_two_files(tmp_path: Path) -> None:
     geoms = '<geom size=".1" friction="0.3"/><geom size=".1" pos="1 0 0" friction="0.7"/>'
     mixed = f'<body name="x" pos="0 0 2"><freejoint/>{geoms}</body>'
     model = av.load_room(mjcf(tmp_path, mixed))
-    assert any("x" in said and "friction" in said for said in model.said)
-    scene = beside(model, av.load_room("floor")).scene()
+    assert any("x" in note and "friction" in note for note in model.notes)
+    scene = in_room(model, av.load_room("floor")).scene()
     # the floor of the room is wood, whose friction against wood is 0.3
     assert scene.materials.contact(*scene.material_names).friction == 0.7
 
@@ -137,7 +137,7 @@ def test_pairs_of_neighbours_that_never_touch_are_said(tmp_path: Path) -> None:
         '<body><joint/><geom name="a" size=".1"/><body pos="1 0 0"><joint/><geom name="b" size=".1"/></body></body>'
     )
     model = av.load_avatar(mjcf(tmp_path, arm, '<contact><pair geom1="a" geom2="b"/></contact>'))
-    assert any("states them" in said for said in model.said)
+    assert any("states them" in note for note in model.notes)
 
 
 KEYED = (
@@ -165,7 +165,7 @@ def test_a_keyframe_is_the_start(tmp_path: Path, keyframe: str | int | None, ang
     assert model.start is not None and model.coordinates is not None
     assert model.start.angles == pytest.approx([angle - np.deg2rad(10.0)])
     assert model.bodies[0].position[2] == height and model.moving[0].links[0].anchor[1] == place
-    assert any("keyframe" in said for said in model.said) is (keyframe != "qpos0")
+    assert any("keyframe" in note for note in model.notes) is (keyframe != "qpos0")
     av.AvatarsimEngine().load(model.scene(), av.Settings(), 0.01)
 
 
@@ -185,7 +185,7 @@ def test_joints_beyond_their_limits_at_the_start_are_said(tmp_path: Path) -> Non
     path = mjcf(tmp_path, KEYED.replace('name="j"', 'name="j" range="-5 5"'), KEYS)
     model = av.load_avatar(path)
     assert model.start is not None and model.start.angles == pytest.approx(np.deg2rad([-5.0]))
-    assert any("limits" in said for said in model.said)
+    assert any("limits" in note for note in model.notes)
 
 
 def test_a_mocap_pose_without_a_turn_is_unturned(tmp_path: Path) -> None:
@@ -196,7 +196,7 @@ def test_a_mocap_pose_without_a_turn_is_unturned(tmp_path: Path) -> None:
 def test_plugins_of_an_include_belong_to_the_element_around(tmp_path: Path) -> None:
     (tmp_path / "parts.xml").write_text('<mujocoinclude><plugin plugin="p"/><geom size=".1" pos="0 0 3"/></mujocoinclude>')
     model = av.load_avatar(mjcf(tmp_path, KEYED + '<body><include file="parts.xml"/></body>'))
-    assert any("p" in said for said in model.said) and len(model.bodies) == 2
+    assert any("p" in note for note in model.notes) and len(model.bodies) == 2
     (tmp_path / "parts.xml").write_text('<mujocoinclude><plugin plugin="p"/></mujocoinclude>')
     shaped = '<asset><mesh name="m"><include file="parts.xml"/></mesh></asset>'
     with pytest.raises(InvalidFile, match="plugin"):
@@ -225,7 +225,7 @@ def test_what_is_no_part_of_an_avatar_is_left_out(tmp_path: Path, name: str) -> 
     (tmp_path / "noted.xml").write_text(f"<mujocoinclude><!-- nothing but plugins -->{PLUGINS}</mujocoinclude>")
     model = av.load_avatar(mjcf(tmp_path, KEYED + world, rest))
     assert model.avatar is not None and [link.name for link in model.avatar.links] == ["base", "arm"]
-    assert any(word in said for said in model.said)
+    assert any(word in note for note in model.notes)
 
 
 URDF = """<robot name="r"><material name="grey"><color rgba="1 1 1 1"/></material><material name="grey"/>
@@ -242,11 +242,11 @@ def test_trees_that_are_no_avatar_are_reported_with_an_option(tmp_path: Path) ->
     loose = '<body name="c" pos="0 3 0"><freejoint/><geom size=".1"/><body pos="0 0 1"><joint/><geom size=".1"/></body></body>'
     trees = arm.format("a", 0, shape), arm.format("b", 2, shape), arm.format("goal", 4, seen)
     model = av.load_avatar(mjcf(tmp_path, "".join(trees)))
-    assert sum('avatar=("a", "b", "goal")' in said for said in model.said) == 2
+    assert sum('avatar=("a", "b", "goal")' in note for note in model.notes) == 2
     path = mjcf(tmp_path, trees[0] + trees[2] + loose)
     both = av.load_avatar(path, avatar=("a", "goal"))
     assert both.avatar is not None and both.coordinates is not None and both.coordinates.width == 2
-    assert sum("c is no avatar" in said and "avatar=(" not in said for said in both.said) == 1
+    assert sum("c is no avatar" in note and "avatar=(" not in note for note in both.notes) == 1
 
 
 @pytest.mark.parametrize("missing", [False, True])
@@ -255,7 +255,7 @@ def test_pages_draw_visuals_of_urdf_where_they_compile(tmp_path: Path, missing: 
     path = tmp_path / "r.urdf"
     path.write_text(URDF.format(f'<collision><geometry><sphere radius="0.1"/></geometry></collision>{more}'))
     model = pickle.loads(pickle.dumps(av.load_avatar(path)))
-    both = beside(model, av.load_room("floor"))
+    both = in_room(model, av.load_room("floor"))
     for one in (model, both):
         assert list(one.visuals) == ([] if missing else ["r"])
         assert missing or [getattr(part, "shape", part) for part in one.visuals["r"]] == [av.Box((0.4, 0.4, 0.4))]

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays_of
 
 from avatarsim.assets import caps
-from avatarsim.assets.motions.archive import FLOAT32_MOST, Archive, narrowed, opened, packed
+from avatarsim.assets.motions.archive import FLOAT32_MOST, Archive, narrowed, npz_bytes, open_archive
 from avatarsim.errors import InvalidFile
 from tests.assets.motions.robots import saved
 
@@ -57,12 +57,12 @@ def memory_below(most: int) -> Iterator[None]:
 
 @given(ANY, st.booleans())
 def test_arrays_come_back_in_value_type_and_order(arrays: dict[str, Any], compressed: bool) -> None:
-    content = packed(arrays, compressed)
+    content = npz_bytes(arrays, compressed)
     with np.load(io.BytesIO(content), allow_pickle=False) as theirs:
         assert list(theirs) == list(arrays)
         for key, values in arrays.items():
             assert theirs[key].dtype == values.dtype and theirs[key].tobytes() == values.tobytes()
-    assert packed(arrays, compressed) == content
+    assert npz_bytes(arrays, compressed) == content
 
 
 @given(ANY, st.sampled_from([np.savez, np.savez_compressed]))
@@ -71,11 +71,11 @@ def test_what_numpy_wrote_is_read(
 ) -> None:
     path = tmp_path_factory.mktemp("archive") / "some.npz"
     save(path, **arrays)
-    found = opened(path)
+    found = open_archive(path)
     assert list(found.arrays) == list(arrays) and found.left_out == ()
     for key, values in arrays.items():
         assert found.arrays[key].dtype == values.dtype and found.arrays[key].tobytes() == values.tobytes()
-    assert found.packed == (bool(arrays) and save is np.savez_compressed)
+    assert found.compressed == (bool(arrays) and save is np.savez_compressed)
 
 
 def test_python_objects_are_left_out_and_never_made(tmp_path: Path) -> None:
@@ -84,7 +84,7 @@ def test_python_objects_are_left_out_and_never_made(tmp_path: Path) -> None:
             return (Path.touch, (tmp_path / "sprung",))
 
     np.savez(tmp_path / "some.npz", poses=np.array([Trap()], dtype=object), trans=np.zeros((2, 3)))
-    found = opened(tmp_path / "some.npz")
+    found = open_archive(tmp_path / "some.npz")
     assert found.left_out == ("poses",) and list(found.arrays) == ["trans"]
     with pytest.raises(InvalidFile, match=r"poses in some\.npz.*pickle.*numpy\.asarray"):
         found.table("poses")
@@ -187,7 +187,7 @@ def test_hostile_archives_end_in_a_sentence(tmp_path: Path, name: str) -> None:
     path = make(tmp_path)
     # reading allocates for the largest file that may be read; nothing is unpacked into more
     with memory_below(caps.BYTES + 2**24), pytest.raises(InvalidFile, match=says) as caught:
-        opened(path)
+        open_archive(path)
     assert "hostile.npz" in str(caught.value)
 
 
@@ -239,4 +239,4 @@ def test_numbers_keep_the_files_type_where_it_is_fine_enough(like: str, most: fl
 
 def test_columns_first_comes_back_in_shape(tmp_path: Path) -> None:
     values = np.asfortranarray(np.arange(12.0).reshape(3, 4))
-    assert (opened(saved(tmp_path / "some.npz", {"a": values})).arrays["a"] == values).all()
+    assert (open_archive(saved(tmp_path / "some.npz", {"a": values})).arrays["a"] == values).all()

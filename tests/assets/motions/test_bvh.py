@@ -106,14 +106,14 @@ def test_unit_and_up_are_guessed(tmp_path: Path, scale: float, up: str) -> None:
         values[:, 5] += 90.0
         values[:, 3:5] = 0.0
     file = read_bvh(written(tmp_path, bvh(hierarchy, values)))
-    assert file.recording.axes.scale == pytest.approx(scale) and file.recording.axes.up == up and len(file.said) >= 2
+    assert file.recording.axes.scale == pytest.approx(scale) and file.recording.axes.up == up and len(file.notes) >= 2
     heights = world(file)[:, :, 2]
     assert (heights[:, 2] > heights[:, 7] + 1.2).all(), "the head is above the foot"
 
 
 def test_what_is_asked_for_is_not_guessed(tmp_path: Path) -> None:
     file = read_bvh(written(tmp_path, bvh(WALKER, rows())), scale=0.02, up="z")
-    assert file.said == () and file.recording.axes.scale == 0.02
+    assert file.notes == () and file.recording.axes.scale == 0.02
     with pytest.raises(InvalidFile, match="height of the skeleton of walker.bvh is .*valid: a standing human of 1.2 to 2.2 m"):
         read_bvh(written(tmp_path, bvh(WALKER.replace("OFFSET 0 -42 0", "OFFSET 0 -420 0"), rows())), up="y")
     for wrong in ({"scale": -1.0}, {"scale": float("nan")}, {"up": "x"}, {"offsets": "any"}):

@@ -133,7 +133,7 @@ def test_another_rate_has_equal_steps(tmp_path: Path) -> None:
 
 def test_joints_that_a_clip_does_not_have_stay(tmp_path: Path) -> None:
     file = load_motion(written(tmp_path / "some.txt", moving(3)))
-    assert (file.motion(figure()).angles[:, 4] == 0.0).all() and len(file.said) == 1
+    assert (file.motion(figure()).angles[:, 4] == 0.0).all() and len(file.notes) == 1
 
 
 def test_an_avatar_that_lacks_joints_is_refused_by_their_names(tmp_path: Path) -> None:

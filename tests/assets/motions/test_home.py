@@ -35,11 +35,11 @@ def test_a_folded_skeleton_states_the_frame_taken_as_home(tmp_path: Path) -> Non
     whole = written(tmp_path, "whole.bvh", rows())
     model, _ = judged(whole)
     frame = int(np.argmin(np.abs(rows()[:, 6])))
-    assert sum(f"whole.bvh:{frame}" in said for said in read_bvh(whole).said) == 1
+    assert sum(f"whole.bvh:{frame}" in note for note in read_bvh(whole).notes) == 1
     assert scene_data(judged(whole, frame)[0].avatar) == scene_data(model.avatar)
     assert scene_data(judged(whole, f"{whole}:{frame}")[0].avatar) == scene_data(model.avatar)
     assert scene_data(judged(whole, 0)[0].avatar) != scene_data(model.avatar)
-    assert not any("home" in said for said in read_bvh(whole, home=frame).said)
+    assert not any("home" in note for note in read_bvh(whole, home=frame).notes)
 
 
 def test_joints_with_own_places_lie_where_the_home_has_them(tmp_path: Path) -> None:

@@ -46,7 +46,7 @@ def test_files_are_known_by_the_end_of_their_names(tmp_path: Path) -> None:
     (tmp_path / "b.amc").write_text(amc(np.zeros((2, 22))))
     saved(tmp_path / "some.npz", {"qpos": walk(3), "fps": 30}).rename(tmp_path / "SOME.NPZ")
     assert [av.load_motion(tmp_path / name).format for name in ("a.BVH", "b.amc", "SOME.NPZ")] == ["bvh", "amc", "npz"]
-    assert av.load_motion(str(tmp_path / "a.BVH"), scale=0.02, up="z").said == ()
+    assert av.load_motion(str(tmp_path / "a.BVH"), scale=0.02, up="z").notes == ()
 
 
 @pytest.mark.parametrize(("name", "most"), [

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from avatarsim.assets.models.smpl_skeleton import TREES, approximate, theirs
+from avatarsim.assets.models.smpl_skeleton import TREES, approximate, to_smpl_axes
 from avatarsim.assets.motions.load import load_motion
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
 from avatarsim.scene.motion import Motion
@@ -63,7 +63,7 @@ def joints_by_matrices(poses: np.ndarray, trans: np.ndarray, rest: np.ndarray, m
 def rest_joints(member: str) -> np.ndarray:
     """Return joints at rest in the family's axes, and further rows as model files have them."""
     skeleton, pelvis = approximate(member, 1.8)
-    return theirs(skeleton.rest[: len(skeleton.bones)] * np.array([1.0, 1.1, 1.0])) + pelvis
+    return to_smpl_axes(skeleton.rest[: len(skeleton.bones)] * np.array([1.0, 1.1, 1.0])) + pelvis
 
 
 @pytest.mark.parametrize("member", MEMBERS)
@@ -77,7 +77,7 @@ def test_joints_are_where_matrices_put_them(tmp_path: Path, member: str, up: str
         options["offsets"] = saved(tmp_path / "model.npz", {"J": joints})
     else:
         skeleton, pelvis = approximate(member)
-        joints = theirs(skeleton.rest[: len(skeleton.bones)]) + pelvis
+        joints = to_smpl_axes(skeleton.rest[: len(skeleton.bones)]) + pelvis
     found = load_motion(saved(tmp_path / "some.npz", arrays), **options)
     model = driven(found.model())
     shown = places(model, found.motion(model))

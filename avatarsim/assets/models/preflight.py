@@ -135,9 +135,9 @@ def texts_of(path: Path, folder: Path, collide: str = "collision") -> Texts:
         left -= len(texts[name])
         scan = _Scan(name, PurePosixPath(main).parent, folder, collide, around)
         scan.read(texts[name])
-        texts[name] = scan.kept(texts[name])
+        texts[name] = scan.blanked(texts[name])
         plugins += scan.plugins
-        waiting += scan.found
+        waiting += scan.included
         velocities |= scan.velocities
         meshes |= scan.meshes
         free_root |= name == main and scan.is_robot and not scan.has_world
@@ -148,13 +148,13 @@ def texts_of(path: Path, folder: Path, collide: str = "collision") -> Texts:
 def _plain(content: bytes) -> bytes:
     """Return the text in UTF-8 without parts that expat rejects.
     These are comments, in which authors write invalid XML, declarations, which may not follow a comment, and final zero bytes."""
-    return _COMMENT.sub(lambda found: b"\n" * found[0].count(b"\n"), content.rstrip(b"\0"))
+    return _COMMENT.sub(lambda match: b"\n" * match[0].count(b"\n"), content.rstrip(b"\0"))
 
 
 class _Scan:
     """One file of XML, element by element, whose root is replaced by the elements `around` where another file includes it.
 
-    `found` are the files of XML that it names: (path below the folder, path, elements around), `is_robot` is True for URDF and
+    `included` are the files of XML that it names: (path below the folder, path, elements around), `is_robot` is True for URDF and
     `has_world` if that has a link named world; `plugins` are the names of removed ones, `velocities` the limits of speed of its
     joints, and `meshes` files of MJCF meshes by name."""
 
@@ -169,8 +169,8 @@ class _Scan:
         self._blank_from = self._blank_depth = -1
         self._ended = False
         self._open: list[values.Element] = []
-        self._elements = self._kept = 0
-        self.found: list[tuple[str, Path, tuple[values.Element, ...]]] = []
+        self._elements = self._used = 0
+        self.included: list[tuple[str, Path, tuple[values.Element, ...]]] = []
         self.velocities: dict[str, float] = {}
         self.meshes: dict[str, str] = {}
         self.is_robot = self.has_world = False
@@ -194,7 +194,7 @@ class _Scan:
         except expat.ExpatError as error:
             raise InvalidFile(f"model {self._name}", f"cut off or not XML: {error}", "a whole file of XML in UTF-8") from error
 
-    def kept(self, content: bytes) -> bytes:
+    def blanked(self, content: bytes) -> bytes:
         """Return the text with unused elements replaced by spaces; line numbers are kept."""
         whole = bytearray(content)
         for first, last in self._blank:
@@ -202,7 +202,7 @@ class _Scan:
         if self.is_robot and self._collide == "visual":
             # in place of the collisions, which are blank: MuJoCo discards visuals
             return _VISUAL.sub(rb"<\1collision", bytes(whole))
-        if self._around and self._kept == 1:
+        if self._around and self._used == 1:
             return _END.sub(FILLERS.get(self._around[-1].tag, b"") + rb"\g<0>", bytes(whole))
         return bytes(whole)
 
@@ -251,7 +251,7 @@ class _Scan:
             if tag == "plugin" and above[0].tag != "robot":
                 self.plugins.append(attributes.get("plugin") or attributes.get("instance") or "without a name")
             return
-        self._kept += 1
+        self._used += 1
         values.require(self._place, above, own)
         if self.is_robot and tag == "limit" and above[-1].tag == "joint" and "velocity" in attributes:
             self.velocities[above[-1].attributes.get("name", "")] = float(attributes["velocity"])
@@ -266,7 +266,7 @@ class _Scan:
             if key.startswith("file") or key in ("assetdir", "meshdir", "texturedir"):
                 self._path(tag, key, value)
 
-    def _next(self, *found: str) -> None:
+    def _next(self, *token: str) -> None:
         self._settle()
 
     def _end(self, tag: str) -> None:
@@ -282,7 +282,7 @@ class _Scan:
             bases = dict.fromkeys([self._main, PurePosixPath(self._name).parent])
             name, place = existing(thing, [base / value for base in bases], self._folder)
             around = self._above()[:-1] if tag == "include" else ()
-            self.found.append((name, place, around))
+            self.included.append((name, place, around))
         elif key in ("assetdir", "meshdir"):
             inside(thing, self._main / value, self._folder)
 
