@@ -8,7 +8,7 @@ import pytest
 
 from avatarsim import compile_ahead
 from avatarsim.cli.arguments import parsed
-from avatarsim.cli.door import main
+from avatarsim.cli.dispatch import main
 from avatarsim.files import VARIABLE
 from avatarsim.jit import baseline, places
 from avatarsim.jit.places import NAME, Places

@@ -1,5 +1,5 @@
 """Command line of the package, `avatarsim` or `python -m avatarsim`: clean, audit, pieces, compile."""
 
-from avatarsim.cli.door import main
+from avatarsim.cli.dispatch import main
 
 __all__ = ["main"]

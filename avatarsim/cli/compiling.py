@@ -11,21 +11,21 @@ from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.jit.baseline import compile_for_baseline
 
 
-def run(asked: argparse.Namespace) -> int:
+def run(args: argparse.Namespace) -> int:
     """Return 0 when everything is compiled; 1 when something could not be. Raises AvatarsimError for impossible options."""
-    if asked.command is not None and asked.to is not None:
-        return compile_to(asked.to, asked.cpu or "baseline")
+    if args.command is not None and args.to is not None:
+        return compile_to(args.to, args.cpu or "baseline")
     from avatarsim.compile_ahead import PARTS, compile_everything, compile_share, is_compiled
 
-    if asked.parts is None:
+    if args.parts is None:
         # without a command this is the first line of other commands, which print more
-        if asked.command is not None and is_compiled():
+        if args.command is not None and is_compiled():
             print("the engine's kernels are compiled already: nothing to do")
         return 0 if compile_everything() else 1
-    for part in asked.parts:
+    for part in args.parts:
         if part not in PARTS:
             raise UnknownName("part to compile", part, PARTS)
-    compile_share(tuple(asked.parts))
+    compile_share(tuple(args.parts))
     # The compiled code is on disk; to take down millions of objects one by one would cost seconds.
     os._exit(0)
 

@@ -39,55 +39,55 @@ SCENE = "toys"
 """Scene that is shown by default."""
 MARGIN = 1e-3
 """[m] about the first posture of a user's own avatar, as in cleaning."""
-AS_FOUND = Reading()
+DEFAULT_READING = Reading()
 """Default options for reading files."""
 
 
-def run(asked: argparse.Namespace) -> int:
+def run(args: argparse.Namespace) -> int:
     """Return the exit code. Raises InvalidInput for options that do not fit, MissingPackage without the page's library."""
     require_page()
     try:
-        found, model = _stage(asked)
-        clips = clips_of(asked.motion, found.scene, model, reading_of(asked))
+        chosen, model = _stage(args)
+        clips = clips_of(args.motion, chosen.scene, model, reading_of(args))
     except InvalidFile as error:
         print(f"avatarsim: {in_words(str(error), 'live')}", file=sys.stderr)
         return UNREADABLE
-    return drive(asked, found, clips, (), own_depth(found.scene))
+    return drive(args, chosen, clips, (), own_depth(chosen.scene))
 
 
-def _stage(asked: argparse.Namespace) -> tuple[Stage, Model | None]:
+def _stage(args: argparse.Namespace) -> tuple[Stage, Model | None]:
     """Return the scene of the options and the model of a user's own avatar.
     Raises InvalidInput for both a built-in avatar and a file, InvalidFile for unreadable files."""
-    if asked.avatar is None:
-        if asked.room is not None:
-            raise InvalidInput("--room", str(asked.room), "an option beside --avatar, which goes about in it")
-        return stage(asked.scene or SCENE), None
-    if asked.scene is not None:
-        raise InvalidInput("--scene", asked.scene, "no option beside --avatar")
+    if args.avatar is None:
+        if args.room is not None:
+            raise InvalidInput("--room", str(args.room), "an option beside --avatar, which goes about in it")
+        return stage(args.scene or SCENE), None
+    if args.scene is not None:
+        raise InvalidInput("--scene", args.scene, "no option beside --avatar")
     from avatarsim.assets.models.load import load_avatar, load_room
 
-    reading = reading_of(asked)
-    model = load_avatar(asked.avatar, **reading.of_avatar())  # type: ignore[arg-type]
-    is_model = asked.room is not None and asked.room.suffix.lower() in MODELS
-    rooms = () if asked.room is None else (load_room(asked.room, **reading.of_room(is_model, True)),)  # type: ignore[arg-type]
+    reading = reading_of(args)
+    model = load_avatar(args.avatar, **reading.of_avatar())  # type: ignore[arg-type]
+    is_model = args.room is not None and args.room.suffix.lower() in MODELS
+    rooms = () if args.room is None else (load_room(args.room, **reading.of_room(is_model, True)),)  # type: ignore[arg-type]
     for note in (*model.notes, *(note for room in rooms for note in room.notes)):
         print(f"avatarsim: {in_words(note, 'live')}", file=sys.stderr)
     if model.avatar is None:
-        raise InvalidFile(f"avatar in {asked.avatar.name}", "none", "a file with joints; a room goes with --room")
+        raise InvalidFile(f"avatar in {args.avatar.name}", "none", "a file with joints; a room goes with --room")
     together = reduce(in_room, rooms, model)
-    if asked.motion and reading.object_file is not None:
+    if args.motion and reading.object_file is not None:
         # of the first clip: the scene has one object
         from avatarsim.clips.inputs import carried_in, options_for, read
 
-        together = with_carried(together, carried_in(read(asked.motion[0], options_for(asked.motion[0], reading))[0], reading))
-    scene = together.scene(asked.avatar.stem)
+        together = with_carried(together, carried_in(read(args.motion[0], options_for(args.motion[0], reading))[0], reading))
+    scene = together.scene(args.avatar.stem)
     own = Stage(scene)
     start = free_posture(Chords(still(own.scene)), own.scene.first_sample, MARGIN)
     return replace(own, scene=replace(own.scene, start=start), visuals=together.visuals), model
 
 
 def clips_of(
-    paths: Sequence[Path], scene: Scene, model: Model | None, reading: Reading = AS_FOUND
+    paths: Sequence[Path], scene: Scene, model: Model | None, reading: Reading = DEFAULT_READING
 ) -> Mapping[str, Motion]:
     """Return the motions of files for an avatar, with the objects of them that the scene has, by the files' names.
 
@@ -117,7 +117,7 @@ def require_place(listen: str, port: int) -> None:
             raise InvalidInput("--listen", listen, f"an address of this machine ({error.strerror})") from error
 
 
-def _say_ports(ports: Ports) -> None:
+def _print_ports(ports: Ports) -> None:
     """Print the ports at which trackers and renderers find this session."""
     for kind, (host, port) in ports.addresses.items():
         print(f"avatarsim: {kind} at {host}:{port}", file=sys.stderr)
@@ -125,20 +125,20 @@ def _say_ports(ports: Ports) -> None:
         print(f"avatarsim: tracked hands of a headset: {ports.hands}", file=sys.stderr)
 
 
-def _say_refusal(source: str, sentence: str) -> None:
+def _print_refusal(source: str, sentence: str) -> None:
     """Print the first refusal of a peer of the ports."""
     print(f"avatarsim: refused from {source}: {sentence}; further refusals are counted on the page", file=sys.stderr, flush=True)
 
 
 def drive(
-    asked: argparse.Namespace, found: Stage, clips: Mapping[str, Motion], others: Sequence[Plan], depth: Depth | None,
+    args: argparse.Namespace, chosen: Stage, clips: Mapping[str, Motion], others: Sequence[Plan], depth: Depth | None,
     offered: Sequence[Plan] = (),
 ) -> int:
     """Run a session of avatarsim and of other engines until it is stopped, and return the exit code.
 
     Args:
-        asked: options of the command.
-        found: the scene to drive.
+        args: options of the command.
+        chosen: the scene to drive.
         clips: motions by name.
         others: loops that run alongside from the start.
         depth: how overlap is measured.
@@ -149,27 +149,27 @@ def drive(
     from avatarsim.live.drive.driver import Driver
     from avatarsim.live.view.page import Page, Shows
 
-    rate = within("--rate", asked.rate, *RATES, InvalidInput)
-    seconds = None if asked.seconds is None else within("--seconds", asked.seconds, 0.0, 1e6, InvalidInput)
-    ours = Plan(OURS, found.scene, Settings(preset=asked.method, time_stages=True), rate)
-    require_place(asked.listen, asked.port)
-    for name, port in (("--ws", asked.ws), ("--udp", asked.udp)):
+    rate = within("--rate", args.rate, *RATES, InvalidInput)
+    seconds = None if args.seconds is None else within("--seconds", args.seconds, 0.0, 1e6, InvalidInput)
+    own_plan = Plan(OURS, chosen.scene, Settings(preset=args.method, time_stages=True), rate)
+    require_place(args.listen, args.port)
+    for name, port in (("--ws", args.ws), ("--udp", args.udp)):
         if port is not None and not 0 <= port <= HIGHEST_PORT:
             raise InvalidInput(name, port, f"a whole number from 0, which lets the system choose, to {HIGHEST_PORT}")
     print("avatarsim: loading", file=sys.stderr)
     try:
         with ExitStack() as stack:
-            session = stack.enter_context(Session([ours, *others]))
-            shows = Shows(found, clips, depth, asked.listen, asked.port, asked.dark, asked.save, offered)
-            page = Page(session, Driver(found.scene), shows)
+            session = stack.enter_context(Session([own_plan, *others]))
+            shows = Shows(chosen, clips, depth, args.listen, args.port, args.dark, args.save, offered)
+            page = Page(session, Driver(chosen.scene), shows)
             stack.callback(page.close)
-            if asked.ws is not None or asked.udp is not None:
+            if args.ws is not None or args.udp is not None:
                 page.ports = stack.enter_context(
-                    Ports(found.scene, page.track, asked.listen, asked.udp, asked.ws, on_refusal=_say_refusal)
+                    Ports(chosen.scene, page.track, args.listen, args.udp, args.ws, on_refusal=_print_refusal)
                 )
-                _say_ports(page.ports)
+                _print_ports(page.ports)
             print(f"avatarsim: {page.address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
-            if not asked.no_browser:
+            if not args.no_browser:
                 webbrowser.open(page.address)
             end = None if seconds is None else time.monotonic() + seconds
             page.rounds(lambda: end is not None and time.monotonic() >= end)

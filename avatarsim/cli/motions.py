@@ -15,14 +15,14 @@ from avatarsim.cli.option_words import in_words
 from avatarsim.cli.reading import reading_of
 from avatarsim.clips import batch as batches
 from avatarsim.clips import certificate
+from avatarsim.clips.atomic_files import alone_in, require_replaceable, write_atomically
 from avatarsim.clips.batch import Batch
 from avatarsim.clips.certificate import Trouble
-from avatarsim.clips.found import Found, found
-from avatarsim.clips.inputs import files_of, given
+from avatarsim.clips.clip_files import ClipFiles, find_clips
+from avatarsim.clips.inputs import files_of, load_models
+from avatarsim.clips.options import FLOOR, ClipOptions
 from avatarsim.clips.page.layout import length, limit_excess
 from avatarsim.clips.task import OVERLAPS, UNREADABLE, Outcome, Task
-from avatarsim.clips.whole_files import alone_in, require_ours, write_whole
-from avatarsim.clips.wishes import FLOOR, Wishes
 from avatarsim.console import Progress, printable
 from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.running.stopping import stoppable
@@ -52,84 +52,84 @@ HEAD = {
 }
 
 
-def run(asked: argparse.Namespace) -> int:
+def run(args: argparse.Namespace) -> int:
     """Return the exit code. Raises InvalidInput for options that do not fit, MissingPackage for an option's missing package."""
-    wishes = wishes_of(asked)
-    clips = found(asked.motions, asked.out)
+    options = clip_options(args)
+    clips = find_clips(args.motions, args.out)
     if not clips.clips and not clips.unreadable:
-        named = ", ".join(str(path) for path in asked.motions)
+        named = ", ".join(str(path) for path in args.motions)
         raise InvalidInput("motions", named, "files, or folders with clips: .bvh .amc .npz .csv .txt")
-    with ExitStack() as held:
-        held.enter_context(stoppable())
-        if asked.command == "clean":
-            held.enter_context(alone_in(asked.out))
-            batches.require_place(asked.out, asked.force)
-        elif asked.out is not None:
-            require_ours(asked.out / AUDIT, certificate.MARK, False)
-        _say_left(clips)
+    with ExitStack() as stack:
+        stack.enter_context(stoppable())
+        if args.command == "clean":
+            stack.enter_context(alone_in(args.out))
+            batches.require_place(args.out, args.force)
+        elif args.out is not None:
+            require_replaceable(args.out / AUDIT, certificate.MARK, False)
+        _report_skipped(clips)
         batch = Batch(
             troubles=[(place, UNREADABLE, why) for place, _, why in clips.unreadable],
             clips=frozenset(clip.place for clip in clips.clips),
-            earlier=_earlier(asked.out, clips) if asked.command == "clean" else (),
+            earlier=_earlier(args.out, clips) if args.command == "clean" else (),
         )
         try:
-            return _done(asked, wishes, clips, batch)
+            return _done(args, options, clips, batch)
         except KeyboardInterrupt:
-            again = "; what was finished is kept, and the same command goes on from there" if asked.command == "clean" else ""
-            say(f"stopped{again}")
+            again = "; what was finished is kept, and the same command goes on from there" if args.command == "clean" else ""
+            report(f"stopped{again}")
             return STOPPED
 
 
-def _done(asked: argparse.Namespace, wishes: Wishes, clips: Found, batch: Batch) -> int:
+def _done(args: argparse.Namespace, options: ClipOptions, clips: ClipFiles, batch: Batch) -> int:
     """Process all clips, write the files of the whole folder, and return the exit code."""
     for _, path, why in clips.unreadable:
-        say(f"{path}: {why}")
+        report(f"{path}: {why}")
     try:
-        models = given(wishes, files_of(wishes))
+        models = load_models(options, files_of(options))
     except InvalidFile as error:
-        say(str(error))
+        report(str(error))
         return UNDONE
     for model in models:
         for note in model.notes if model else ():
-            say(note)
-    is_clean = asked.command == "clean"
-    tasks = batches.tasks_of(clips.clips, wishes, asked.out if is_clean else None, is_clean and asked.force)
-    workers = _workers(asked, len(tasks), asked.out if asked.out is not None else asked.motions[0].parent)
+            report(note)
+    is_clean = args.command == "clean"
+    tasks = batches.tasks_of(clips.clips, options, args.out if is_clean else None, is_clean and args.force)
+    workers = _workers(args, len(tasks), args.out if args.out is not None else args.motions[0].parent)
     if is_clean:
         # the list of requested clips, in case this process is killed
-        batches.leave(asked.out, batch)
+        batches.leave(args.out, batch)
     try:
-        _work(asked.command, tasks, workers, batch)
+        _work(args.command, tasks, workers, batch)
     finally:
         # also of clips that were done before the user stopped it
         if is_clean:
-            whole = batches.leave(asked.out, batch)
-    if not is_clean and asked.out is not None:
-        write_whole(asked.out / AUDIT, certificate.text(certificate.summary("audit", batch.entries, batch.troubles)))
+            summary = batches.leave(args.out, batch)
+    if not is_clean and args.out is not None:
+        write_atomically(args.out / AUDIT, certificate.text(certificate.summary("audit", batch.entries, batch.troubles)))
     if is_clean:
-        print(f"{asked.out / batches.INDEX}")
-        _say_earlier(whole, clips)
+        print(f"{args.out / batches.INDEX}")
+        _report_earlier(summary, clips)
     return exit_code(batch)
 
 
 def _work(command: str, tasks: Sequence[Task], workers: "Workers", batch: Batch) -> None:
-    told = set[str]()
+    printed = set[str]()
     print(HEAD[command], flush=True)
     with Progress("cleaning" if command == "clean" else "auditing", sys.stderr) as bar:
 
         def ended(one: Outcome) -> None:
             bar.erase()
             if one.trouble is not None:
-                say(f"{one.place}: {one.trouble[1]}")
+                report(f"{one.place}: {one.trouble[1]}")
             else:
                 print(row(command, one), flush=True)
-            avatar, pairs = tasks[0].wishes.avatar, excluded(one.entry or {})
+            avatar, pairs = tasks[0].options.avatar, excluded(one.entry or {})
             of_avatar = [(pairs, f"{avatar.name if avatar else one.place}: {pairs}")] if pairs else []
             for known, note in [*of_avatar, *((note, note) for note in one.notes)]:
-                if known not in told:
-                    told.add(known)
-                    if len(told) <= SENTENCES:
-                        say(note)
+                if known not in printed:
+                    printed.add(known)
+                    if len(printed) <= SENTENCES:
+                        report(note)
             step(0.0)
 
         def step(share: float) -> None:
@@ -140,12 +140,12 @@ def _work(command: str, tasks: Sequence[Task], workers: "Workers", batch: Batch)
         batches.run(tasks, workers, batch, ended, step)
 
 
-def _workers(asked: argparse.Namespace, clips: int, folder: Path) -> "Workers":
-    count = asked.workers
+def _workers(args: argparse.Namespace, clips: int, folder: Path) -> "Workers":
+    count = args.workers
     if count is None:
         # without the package for parallel tasks one after the other, and a single clip here, with its progress
         count = min(clips, len(os.sched_getaffinity(0))) if clips > 1 and find_spec("pebble") is not None else 0
-    return batches.workers_of(count, asked.scheduler, folder)
+    return batches.workers_of(count, args.scheduler, folder)
 
 
 def exit_code(batch: Batch) -> int:
@@ -155,22 +155,22 @@ def exit_code(batch: Batch) -> int:
     return LEFT if batch.troubles or not all(one["is_clean"] for one in batch.entries) else CLEAN
 
 
-def wishes_of(asked: argparse.Namespace) -> Wishes:
+def clip_options(args: argparse.Namespace) -> ClipOptions:
     """Return the options for a clip. Raises InvalidInput for numbers out of range."""
-    reading = reading_of(asked)
-    if asked.rate is not None:
-        within("--rate [1/s]", asked.rate, SLOWEST, FASTEST, InvalidInput)
-    if asked.workers is not None and not 0 <= asked.workers <= WORKERS:
-        raise InvalidInput("--workers", asked.workers, f"0 to {WORKERS}")
-    height = getattr(asked, "ground", None)
+    reading = reading_of(args)
+    if args.rate is not None:
+        within("--rate [1/s]", args.rate, SLOWEST, FASTEST, InvalidInput)
+    if args.workers is not None and not 0 <= args.workers <= WORKERS:
+        raise InvalidInput("--workers", args.workers, f"0 to {WORKERS}")
+    height = getattr(args, "ground", None)
     if height is not None:
         within("--ground [m]", height, -FARTHEST, FARTHEST, InvalidInput)
-    given_ = {name: getattr(asked, name) for name in ("margin", "blend") if getattr(asked, name, None) is not None}
-    room = asked.room if asked.room is None or str(asked.room) == FLOOR else asked.room.absolute()
-    cleaning = Options(**given_, loose=asked.loose, opinion=not asked.no_opinion, ground=height is None)
-    return Wishes(
-        avatar=None if asked.avatar is None else asked.avatar.absolute(), room=room, rate=asked.rate, reading=reading,
-        ground=height, cleaning=cleaning, page=not getattr(asked, "no_page", True),
+    stated = {name: getattr(args, name) for name in ("margin", "blend") if getattr(args, name, None) is not None}
+    room = args.room if args.room is None or str(args.room) == FLOOR else args.room.absolute()
+    cleaning = Options(**stated, loose=args.loose, opinion=not args.no_opinion, ground=height is None)
+    return ClipOptions(
+        avatar=None if args.avatar is None else args.avatar.absolute(), room=room, rate=args.rate, reading=reading,
+        ground=height, cleaning=cleaning, page=not getattr(args, "no_page", True),
     )
 
 
@@ -181,7 +181,7 @@ def row(command: str, one: Outcome) -> str:
     name = printable(one.place)
     over = len(name) + 3 - WIDEST
     name = name if over <= 3 else f"...{name[over:]}"
-    last = verdict(entry) + (", done before" if one.kept else "")
+    last = verdict(entry) + (", done before" if one.done_before else "")
     begin = f"{name:{WIDEST}} {entry['frames']:6}  {_deepest(overlap['before']):20} "
     if command == "audit":
         line = f"{begin} {chords['not_certified_before']:18}  {limit_excess(limits, 'before'):>14}  {last}"
@@ -220,7 +220,7 @@ MEANS = {
 def excluded(entry: Mapping[str, Any]) -> str:
     """Return a sentence on pairs that are excluded from contact or overlap at home; "" without any.
     It is equal for all clips of an avatar."""
-    told = []
+    sentences = []
     for kind, one_is, are in (
         ("excluded", "is excluded", "are excluded"), ("at_rest", "overlaps", "overlap"),
     ):
@@ -228,23 +228,23 @@ def excluded(entry: Mapping[str, Any]) -> str:
         names = [" and ".join(one[side].partition("/")[2] or one[side] for side in "ab") for one in entry.get(kind, ())]
         if names:
             count = f"1 pair {one_is}" if len(names) == 1 else f"{len(names)} pairs {are}"
-            told.append(f"{count} {MEANS[kind]}: {_some(names)}")
-    return "; ".join(told)
+            sentences.append(f"{count} {MEANS[kind]}: {_some(names)}")
+    return "; ".join(sentences)
 
 
 def _deepest(one: dict[str, Any]) -> str:
     return f"{one['frames']} frames, {length(one['deepest_m'])}"
 
 
-def say(sentence: str) -> None:
+def report(sentence: str) -> None:
     """Print one line on the error stream, with options as on the command line."""
     print(f"avatarsim: {in_words(printable(sentence), 'clean')}", file=sys.stderr, flush=True)
 
 
-def _say_left(clips: Found) -> None:
+def _report_skipped(clips: ClipFiles) -> None:
     """Name the files and folders that are skipped since they are no motions."""
     if clips.left:
-        say(f"left alone, no motions: {_some([path.name for path in clips.left])}")
+        report(f"left alone, no motions: {_some([path.name for path in clips.left])}")
 
 
 def _some(names: Sequence[str]) -> str:
@@ -252,17 +252,17 @@ def _some(names: Sequence[str]) -> str:
     return ", ".join([*names[:NAMED], *([f"{len(names) - NAMED} more"] if len(names) > NAMED else [])])
 
 
-def _earlier(out: Path, clips: Found) -> tuple[Trouble, ...]:
+def _earlier(out: Path, clips: ClipFiles) -> tuple[Trouble, ...]:
     """Return the undone clips of earlier commands into the folder."""
     try:
         return batches.left_undone(out, clips.places)
     except InvalidFile as error:
-        say(f"what earlier commands left undone in {out} is not known: {error}")
+        report(f"what earlier commands left undone in {out} is not known: {error}")
         return ()
 
 
-def _say_earlier(whole: Mapping[str, Any], clips: Found) -> None:
+def _report_earlier(summary: Mapping[str, Any], clips: ClipFiles) -> None:
     """Name the undone clips of earlier commands into this folder."""
-    names = [str(one["name"]) for one in whole["not_done"] if one["name"] not in clips.places]
+    names = [str(one["name"]) for one in summary["not_done"] if one["name"] not in clips.places]
     if names:
-        say(f"not done, of earlier commands into this folder: {_some(names)}; {batches.WHOLE} says why")
+        report(f"not done, of earlier commands into this folder: {_some(names)}; {batches.FOLDER_CERTIFICATE} says why")

@@ -8,7 +8,7 @@ import shlex
 from collections.abc import Collection
 
 from avatarsim.cli.arguments import options_of
-from avatarsim.clips.wishes import OPTIONS
+from avatarsim.clips.options import OPTIONS
 
 VALUE = r"\"[^\"]*\"|'[^']*'|\([^()]*\)|True|False|\.\.\.|[A-Z]+\.npz|[0-9.]+(?![\w.])"
 """A value as sentences write it: a text, a tuple of texts, a bool, three dots, a file's name in capitals, a number."""
@@ -32,13 +32,13 @@ def in_words(sentence: str, command: str) -> str:
 def as_options(sentence: str, options: Collection[str]) -> str:
     """Return the sentence with arguments that are among a command's `options` as such; others stay unchanged."""
 
-    def option(found: re.Match[str]) -> str:
-        argument, value, after = found[1], found[2] or "", found[3]
+    def option(match: re.Match[str]) -> str:
+        argument, value, after = match[1], match[2] or "", match[3]
         name = OPTIONS.get(argument, argument.replace("_", "-"))
         if name not in options:
-            return found[0]
-        said = _said(value)
-        return f"--{name}{f' {said}' if said else ''}" + (" " if not value and after else "")
+            return match[0]
+        shell_value = _shell_value(value)
+        return f"--{name}{f' {shell_value}' if shell_value else ''}" + (" " if not value and after else "")
 
     for phrase, (needed, words) in PHRASES.items():
         if needed in options:
@@ -46,7 +46,7 @@ def as_options(sentence: str, options: Collection[str]) -> str:
     return ARGUMENT.sub(option, sentence)
 
 
-def _said(value: str) -> str:
+def _shell_value(value: str) -> str:
     """Return a value as a shell takes it."""
     if value.startswith("("):
         names = [name for pair in re.findall(r"\"([^\"]*)\"|'([^']*)'", value) for name in pair if name]

@@ -82,7 +82,7 @@ def as_row(path: str, found: Pieces) -> str:
         f"{name:24} {found.source:13} {len(counts):6} {sum(counts):8} {max(counts):4} {1e3 * found.hausdorff:7.3g} mm "
         f"{100.0 * found.hausdorff / found.size:5.2f} % {found.seconds:7.2f} {'hit' if found.from_cache else 'miss'}"
     )
-    return "\n".join([row, *(f"    {said}" for said in found.repairs)])
+    return "\n".join([row, *(f"    {repair}" for repair in found.repairs)])
 
 
 def as_json(path: str, found: Pieces) -> str:

@@ -66,34 +66,34 @@ def reading_options(one: argparse.ArgumentParser) -> None:
     model.add_argument("--room-up", choices=("y", "z"), help="the axis that points up in a room that is a mesh (default z)")
 
 
-def reading_of(asked: argparse.Namespace) -> Reading:
+def reading_of(args: argparse.Namespace) -> Reading:
     """Return the options for reading files. Raises InvalidInput for numbers out of range and options without their file."""
     for name, (least, most) in RANGES.items():
-        if getattr(asked, name, None) is not None:
-            within(f"--{name.replace('_', '-')}", getattr(asked, name), least, most, InvalidInput)
+        if getattr(args, name, None) is not None:
+            within(f"--{name.replace('_', '-')}", getattr(args, name), least, most, InvalidInput)
     # a user's own scene may contain the avatar
-    of_avatar = () if getattr(asked, "own_scene", False) else OF_AVATAR
+    of_avatar = () if getattr(args, "own_scene", False) else OF_AVATAR
     for what, names in (("avatar", (*of_avatar, "avatar_scale")), ("room", OF_ROOM), ("object", ("object_scale",))):
         for name in names:
-            if getattr(asked, name) and getattr(asked, what) is None:
-                raise InvalidInput(f"--{name.replace('_', '-')}", getattr(asked, name), f"an option beside --{what}")
-    exclude = _listed(asked.exclude)
+            if getattr(args, name) and getattr(args, what) is None:
+                raise InvalidInput(f"--{name.replace('_', '-')}", getattr(args, name), f"an option beside --{what}")
+    exclude = _listed(args.exclude)
     for pair in exclude:
         if not all(pair.partition(":")):
             raise InvalidInput("--exclude", pair, "two names with a colon between")
-    if not getattr(asked, "own_scene", False) and asked.avatar is None and asked.room is None:
+    if not getattr(args, "own_scene", False) and args.avatar is None and args.room is None:
         for name in OF_EITHER:
-            if getattr(asked, name) is not None:
-                raise InvalidInput(f"--{name}", getattr(asked, name), "an option beside --avatar or --room")
+            if getattr(args, name) is not None:
+                raise InvalidInput(f"--{name}", getattr(args, name), "an option beside --avatar or --room")
     return Reading(
-        scale=asked.scale, up=asked.up, file_rate=asked.file_rate, quaternion=asked.quaternion, joints=asked.joints,
-        home=_home(asked.home), mass=asked.mass, limits=not asked.no_limits,
-        offsets=asked.offsets if asked.offsets in (None, "mean") else str(Path(asked.offsets).absolute()), stature=asked.stature,
-        asf=absolute(asked.asf), fix=_listed(asked.fix), root=asked.root, leave=_listed(asked.leave),
-        folder=absolute(asked.folder), meshes=asked.meshes, repair=asked.repair,
-        body=_listed(asked.body), keyframe=asked.keyframe, collide=asked.collide, fit=asked.fit, exclude=exclude,
-        avatar_scale=asked.avatar_scale, room_scale=asked.room_scale, room_up=asked.room_up,
-        object_file=absolute(asked.object), object_scale=asked.object_scale,
+        scale=args.scale, up=args.up, file_rate=args.file_rate, quaternion=args.quaternion, joints=args.joints,
+        home=_home(args.home), mass=args.mass, limits=not args.no_limits,
+        offsets=args.offsets if args.offsets in (None, "mean") else str(Path(args.offsets).absolute()), stature=args.stature,
+        asf=absolute(args.asf), fix=_listed(args.fix), root=args.root, leave=_listed(args.leave),
+        folder=absolute(args.folder), meshes=args.meshes, repair=args.repair,
+        body=_listed(args.body), keyframe=args.keyframe, collide=args.collide, fit=args.fit, exclude=exclude,
+        avatar_scale=args.avatar_scale, room_scale=args.room_scale, room_up=args.room_up,
+        object_file=absolute(args.object), object_scale=args.object_scale,
     )
 
 

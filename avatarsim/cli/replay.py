@@ -5,7 +5,7 @@ import json
 import sys
 import time
 
-from avatarsim.clips.whole_files import write_whole
+from avatarsim.clips.atomic_files import write_atomically
 from avatarsim.console import Progress
 from avatarsim.engine import FrameRecord
 from avatarsim.errors import AvatarsimError
@@ -17,12 +17,12 @@ SAME, DIFFERS, UNREADABLE = 0, 1, 3
 """Exit codes."""
 
 
-def run(asked: argparse.Namespace) -> int:
+def run(args: argparse.Namespace) -> int:
     """Return the exit code."""
     try:
-        recorded = read(asked.recording)
-        if asked.page is not None:
-            write_whole(asked.page, recording_page(asked.recording))
+        recorded = read(args.recording)
+        if args.page is not None:
+            write_atomically(args.page, recording_page(args.recording))
         with Progress("replay", sys.stderr) as progress:
             def one(frame: int, record: FrameRecord) -> None:
                 if progress.due:
@@ -34,15 +34,15 @@ def run(asked: argparse.Namespace) -> int:
     except AvatarsimError as error:
         print(f"avatarsim: {error}", file=sys.stderr)
         return UNREADABLE
-    others = {name: (said, versions().get(name, "")) for name, said in recorded.versions.items() if versions().get(name) != said}
-    if asked.json:
-        print(json.dumps(_told(recorded, done, others, seconds), indent=2))
+    others = {name: (was, versions().get(name, "")) for name, was in recorded.versions.items() if versions().get(name) != was}
+    if args.json:
+        print(json.dumps(_as_json(recorded, done, others, seconds), indent=2))
     else:
-        _say(recorded, done, others, seconds)
+        _print_result(recorded, done, others, seconds)
     return SAME if done.difference is None else DIFFERS
 
 
-def _told(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]], seconds: float) -> dict[str, object]:
+def _as_json(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]], seconds: float) -> dict[str, object]:
     """Return the result as JSON."""
     difference = done.difference
     return {
@@ -56,7 +56,7 @@ def _told(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]]
     }
 
 
-def _say(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]], seconds: float) -> None:
+def _print_result(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]], seconds: float) -> None:
     plan = recorded.plan
     # texts of an untrusted file may contain terminal control codes
     name, method = (text if text.isprintable() else repr(text) for text in (plan.scene.name, plan.settings.preset))
@@ -72,5 +72,5 @@ def _say(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]],
     where = "the state before the first frame" if done.difference.frame == 0 else f"frame {done.difference.frame}"
     print(f"{where} is another: {done.difference.replayed}, recorded was {done.difference.recorded}")
     if others:
-        said = ", ".join(f"{name} {a} (here {b})" for name, (a, b) in others.items())
-        print(f"it was recorded with {said}; other versions or processors may give other last bits")
+        listed = ", ".join(f"{name} {a} (here {b})" for name, (a, b) in others.items())
+        print(f"it was recorded with {listed}; other versions or processors may give other last bits")

@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from avatarsim.clips import certificate
+from avatarsim.clips.atomic_files import require_replaceable, write_atomically
 from avatarsim.clips.certificate import Trouble
-from avatarsim.clips.found import Clip
+from avatarsim.clips.clip_files import Clip
+from avatarsim.clips.options import ClipOptions
 from avatarsim.clips.page.index_page import index_page
 from avatarsim.clips.page.layout import GENERATOR
 from avatarsim.clips.task import CERTIFICATES, PAGES, REFUSED, Outcome, Task, outcome
-from avatarsim.clips.whole_files import require_ours, write_whole
-from avatarsim.clips.wishes import Wishes
 from avatarsim.errors import AvatarsimError, MissingPackage, described
 from avatarsim.player import three_js
 from avatarsim.running.sources import about, code_hash
@@ -27,7 +27,7 @@ from avatarsim.running.sources import about, code_hash
 if TYPE_CHECKING:
     from avatarsim.running.processes import Workers
 
-INDEX, WHOLE = "index.html", "certificate.json"
+INDEX, FOLDER_CERTIFICATE = "index.html", "certificate.json"
 """Page and certificate of the whole folder."""
 
 UNFINISHED = "not finished"
@@ -71,10 +71,10 @@ class Batch:
 
 
 def run(
-    tasks: Sequence[Task], workers: "Workers", batch: Batch, told: Callable[[Outcome], None],
+    tasks: Sequence[Task], workers: "Workers", batch: Batch, on_outcome: Callable[[Outcome], None],
     progress: Callable[[float], None] | None = None,
 ) -> None:
-    """Run the tasks and collect their results in `batch`, one by one; call `told` with each result.
+    """Run the tasks and collect their results in `batch`, one by one; call `on_outcome` with each result.
 
     `progress` is called with the finished share of a clip, where clips run in this process. Raises MissingPackage without pebble
     for more workers than 0, InvalidInput for a cluster that does not fit."""
@@ -85,7 +85,7 @@ def run(
             batch.outcomes.append(found)
             if found.trouble is not None:
                 batch.troubles.append((found.place, *found.trouble))
-            told(found)
+            on_outcome(found)
 
 
 def _answers(
@@ -147,24 +147,24 @@ def workers_of(count: int, scheduler: str | None, folder: Path) -> "Workers":
     return Cluster(scheduler, code_hash, partial(about, folder.resolve()), SAME, PRELOADED)
 
 
-def tasks_of(clips: Sequence[Clip], wishes: Wishes, out: Path | None, force: bool) -> list[Task]:
+def tasks_of(clips: Sequence[Clip], options: ClipOptions, out: Path | None, force: bool) -> list[Task]:
     """Return one task per clip, with absolute paths, since a worker may have another working directory."""
     whole = None if out is None else out.absolute()
-    return [Task(Clip(clip.place, clip.path.absolute()), wishes, whole, force) for clip in clips]
+    return [Task(Clip(clip.place, clip.path.absolute()), options, whole, force) for clip in clips]
 
 
 def require_place(out: Path, force: bool) -> None:
     """Raise InvalidInput where the path of the folder's page or certificate has a file of another program."""
-    require_ours(out / INDEX, GENERATOR, force)
-    require_ours(out / WHOLE, certificate.MARK, force)
+    require_replaceable(out / INDEX, GENERATOR, force)
+    require_replaceable(out / FOLDER_CERTIFICATE, certificate.MARK, force)
 
 
 def left_undone(out: Path, places: frozenset[str]) -> tuple[Trouble, ...]:
     """Return the undone clips of earlier commands into a folder, but for `places`, which are requested now.
     Raises InvalidFile where the folder's certificate cannot be read."""
-    if not (out / WHOLE).exists():
+    if not (out / FOLDER_CERTIFICATE).exists():
         return ()
-    return tuple(one for one in certificate.not_done(out / WHOLE) if one[0] not in places)
+    return tuple(one for one in certificate.not_done(out / FOLDER_CERTIFICATE) if one[0] not in places)
 
 
 def leave(out: Path, batch: Batch) -> dict[str, object]:
@@ -174,9 +174,9 @@ def leave(out: Path, batch: Batch) -> dict[str, object]:
     whole = certificate.summary("clean", list(entries.values()), batch.not_done(entries))
     library = out / PAGES / three_js.FILE
     if library.parent.is_dir() and not library.exists() and (source := three_js.library()):
-        write_whole(library, source.encode())
-    write_whole(out / INDEX, index_page(whole))
-    write_whole(out / WHOLE, certificate.text(whole))
+        write_atomically(library, source.encode())
+    write_atomically(out / INDEX, index_page(whole))
+    write_atomically(out / FOLDER_CERTIFICATE, certificate.text(whole))
     return whole
 
 

@@ -15,8 +15,8 @@ from typing import Any
 from avatarsim.cleaning import Audit, Cleaned, Moved, Opinion
 from avatarsim.cleaning.result import OVERLAP
 from avatarsim.clips.inputs import Hashes
+from avatarsim.clips.options import ClipOptions
 from avatarsim.clips.schema_check import fault
-from avatarsim.clips.wishes import Wishes
 from avatarsim.errors import InvalidFile
 from avatarsim.files import parsed_json, read_text
 from avatarsim.running.sources import code_hash, versions
@@ -29,7 +29,7 @@ LINES = 3
 MARK = '{\n "layout": '
 """First bytes of a folder's certificate."""
 
-LARGEST, LARGEST_WHOLE = 2**27, 2**30
+LARGEST, LARGEST_FOLDER = 2**27, 2**30
 """Largest size of a clip's certificate, and of a folder's [bytes]. An entry has some 20 kB, so this is a folder of 50,000 clips;
 in larger folders the undone clips of earlier commands are not read back."""
 
@@ -40,7 +40,7 @@ OPINIONS = ("coal",)
 """Distributions of the independent judge."""
 
 
-def key(motion: Hashes, avatar: Hashes, room: Hashes, wishes: Wishes) -> dict[str, object]:
+def key(motion: Hashes, avatar: Hashes, room: Hashes, options: ClipOptions) -> dict[str, object]:
     """Return the inputs that determine the outputs of a clip: hashes of its files, options, and versions."""
 
     def listed(files: Hashes) -> list[dict[str, str]]:
@@ -48,7 +48,7 @@ def key(motion: Hashes, avatar: Hashes, room: Hashes, wishes: Wishes) -> dict[st
 
     return {
         "inputs": {"motion": listed(motion), "avatar": listed(avatar), "room": listed(room)},
-        "options": wishes.told(),
+        "options": options.as_json(),
         "versions": {**versions(OPINIONS), "code": code_hash()},
     }
 
@@ -182,7 +182,7 @@ def read(path: Path) -> dict[str, object] | None:
 
 def not_done(path: Path) -> tuple[Trouble, ...]:
     """Return the undone clips of a folder's certificate. Raises InvalidFile for a file that does not have this layout."""
-    found, whole, name = _parsed(path, LARGEST_WHOLE), schema(), "not_done"
+    found, whole, name = _parsed(path, LARGEST_FOLDER), schema(), "not_done"
     part = found.get(name) if isinstance(found, dict) else None
     wrong = fault(part, whole["properties"][name], whole, name)
     if wrong:

@@ -16,9 +16,9 @@ from avatarsim.assets.motions.home import ENDINGS, parsed_home
 from avatarsim.assets.motions.load import load_motion, options_of
 from avatarsim.assets.motions.motion_file import MotionFile
 from avatarsim.assets.motions.object_poses import PLACES, TURNS
+from avatarsim.clips.atomic_files import sha256_of
+from avatarsim.clips.options import FLOOR, ClipOptions
 from avatarsim.clips.reading import Reading
-from avatarsim.clips.whole_files import sha256_of
-from avatarsim.clips.wishes import FLOOR, Wishes
 from avatarsim.errors import InvalidFile
 from avatarsim.files import check
 from avatarsim.scene.carried import Carried
@@ -41,18 +41,18 @@ class Files:
     room: Hashes
 
 
-def files_of(wishes: Wishes) -> Files:
+def files_of(options: ClipOptions) -> Files:
     """Return hashes of the files of avatar and room. Raises InvalidFile for unreadable files."""
-    folder = wishes.reading.folder
-    avatar = () if wishes.avatar is None else _files(wishes.avatar, folder)
-    room = () if wishes.room is None or str(wishes.room) == FLOOR else _files(wishes.room, folder)
+    folder = options.reading.folder
+    avatar = () if options.avatar is None else _files(options.avatar, folder)
+    room = () if options.room is None or str(options.room) == FLOOR else _files(options.room, folder)
     return Files(avatar, room)
 
 
-def given(wishes: Wishes, files: Files) -> tuple[Model | None, Model | None]:
+def load_models(options: ClipOptions, files: Files) -> tuple[Model | None, Model | None]:
     """Load avatar and room of a command, once per process while their files do not change. Raises InvalidFile, InvalidInput."""
-    avatar = None if wishes.avatar is None else _avatar(wishes.avatar, wishes.reading, files.avatar)
-    return avatar, None if wishes.room is None else _room(wishes.room, wishes.reading, avatar is not None, files.room)
+    avatar = None if options.avatar is None else _avatar(options.avatar, options.reading, files.avatar)
+    return avatar, None if options.room is None else _room(options.room, options.reading, avatar is not None, files.room)
 
 
 @lru_cache(maxsize=2)
@@ -64,11 +64,11 @@ def _avatar(path: Path, reading: Reading, files: Hashes) -> Model:
 
 
 @lru_cache(maxsize=2)
-def _room(path: Path, reading: Reading, beside_avatar: bool, files: Hashes) -> Model:
+def _room(path: Path, reading: Reading, with_avatar: bool, files: Hashes) -> Model:
     if str(path) == FLOOR:
         return load_room(FLOOR)
     is_model = path.suffix.lower() in preflight.MODELS
-    return load_room(path, **reading.of_room(is_model, beside_avatar))  # type: ignore[arg-type]
+    return load_room(path, **reading.of_room(is_model, with_avatar))  # type: ignore[arg-type]
 
 
 def _hashed(path: Path, name: str) -> tuple[str, str]:
@@ -118,13 +118,13 @@ def _named(texts: preflight.Texts) -> Iterator[tuple[str, Path]]:
 def motion_files(path: Path, reading: Reading) -> Hashes:
     """Return hashes of a motion file and of its skeleton file, if it has one. Raises InvalidFile."""
     suffix = path.suffix.lower()
-    beside = [skeleton_of(path, reading)] if suffix == ".amc" else []
+    companions = [skeleton_of(path, reading)] if suffix == ".amc" else []
     if reading.offsets is not None and suffix == ".npz" and reading.offsets != MEAN:
-        beside.append(Path(reading.offsets))
+        companions.append(Path(reading.offsets))
     if suffix in ENDINGS:
-        beside.append(parsed_home("home", reading.home)[0])
+        companions.append(parsed_home("home", reading.home)[0])
     shape = () if reading.object_file is None else _files(Path(reading.object_file), None)
-    return (*(_hashed(one, one.name) for one in [path, *beside] if one is not None), *shape)
+    return (*(_hashed(one, one.name) for one in [path, *companions] if one is not None), *shape)
 
 
 def carried_in(file: MotionFile, reading: Reading) -> tuple[Carried, ...]:
@@ -146,13 +146,13 @@ def skeleton_of(path: Path, reading: Reading) -> Path | None:
 
 def options_for(path: Path, reading: Reading) -> dict[str, object]:
     """Return the options for the reader of a motion; of AMC with the skeleton's path, so that a copy elsewhere uses it too."""
-    asked = reading.of_motion()
+    options = reading.of_motion()
     skeleton = skeleton_of(path, reading) if path.suffix.lower() == ".amc" else None
-    return asked if skeleton is None else {**asked, "skeleton": str(skeleton)}
+    return options if skeleton is None else {**options, "skeleton": str(skeleton)}
 
 
-def read(path: Path, asked: Mapping[str, object]) -> tuple[MotionFile, tuple[str, ...]]:
-    """Read the motion at `path`; also return those options of `asked` that its format lacks. Raises InvalidFile, InvalidInput."""
+def read(path: Path, options: Mapping[str, object]) -> tuple[MotionFile, tuple[str, ...]]:
+    """Read the motion at `path`; also return those of `options` that its format lacks. Raises InvalidFile, InvalidInput."""
     known = options_of(path.suffix.lower())
-    used = {name: value for name, value in asked.items() if name in known}
-    return load_motion(path, **used), tuple(sorted(set(asked) - set(used)))
+    used = {name: value for name, value in options.items() if name in known}
+    return load_motion(path, **used), tuple(sorted(set(options) - set(used)))

@@ -53,29 +53,29 @@ class Reading:
 
     def of_motion(self) -> dict[str, object]:
         """Return the options for readers of motions, by the readers' names."""
-        asked = {
+        options = {
             "scale": self.scale, "up": self.up, "rate": self.file_rate, "quaternion": self.quaternion, "joints": self.joints,
             "offsets": self.offsets, "stature": self.stature, "skeleton": self.asf,
             "home": self.home, "mass": self.mass, "limits": None if self.limits else False,
         }
-        return {name: value for name, value in asked.items() if value is not None}
+        return {name: value for name, value in options.items() if value is not None}
 
     def of_avatar(self) -> dict[str, object]:
         """Return the options of `load_avatar`."""
-        asked = {"avatar": self.body, "fix": "all" if self.fix == ("all",) else self.fix, "leave": self.leave,
+        options = {"avatar": self.body, "fix": "all" if self.fix == ("all",) else self.fix, "leave": self.leave,
                  "exclude": tuple((a, b) for a, _, b in (pair.partition(":") for pair in self.exclude)),
                  "root": self.root, "scale": self.avatar_scale, **self._of_model()}
-        return {name: value for name, value in asked.items() if value}
+        return {name: value for name, value in options.items() if value}
 
     def _of_model(self) -> dict[str, object]:
         return {"folder": self.folder, "keyframe": self.keyframe, "collide": self.collide, "meshes": self.meshes,
                 "repair": self.repair, "fit": self.fit}
 
-    def of_room(self, is_model: bool, beside_avatar: bool) -> dict[str, object]:
-        """Return the options of `load_room`, for a model or a mesh; if `beside_avatar`, the keyframe is of the avatar's file."""
-        asked = {"scale": self.room_scale, **self._of_model()}
-        if beside_avatar:
-            asked["keyframe"] = None
+    def of_room(self, is_model: bool, with_avatar: bool) -> dict[str, object]:
+        """Return the options of `load_room`, for a model or a mesh; if `with_avatar`, the keyframe is of the avatar's file."""
+        options = {"scale": self.room_scale, **self._of_model()}
+        if with_avatar:
+            options["keyframe"] = None
         if not is_model:
-            asked |= {"y_up": self.room_up == "y", "folder": None, "keyframe": None, "collide": None}
-        return {name: value for name, value in asked.items() if value}
+            options |= {"y_up": self.room_up == "y", "folder": None, "keyframe": None, "collide": None}
+        return {name: value for name, value in options.items() if value}

@@ -35,47 +35,47 @@ def _first(parts: Iterable[tuple[str, object, Any]], root: Mapping[str, Any]) ->
 
 def _against(word: str, value: object, schema: Mapping[str, Any], root: Mapping[str, Any], place: str) -> str:
     """Return where a value is against one keyword of a schema."""
-    asked = schema[word]
+    rule = schema[word]
     members: dict[str, Any] = value if isinstance(value, dict) else {}
     match word:
         case "$ref":
             part: Any = root
-            for name in str(asked).removeprefix("#/").split("/"):
+            for name in str(rule).removeprefix("#/").split("/"):
                 part = part[name]
             return fault(value, part, root, place)
         case "anyOf":
-            found = [fault(value, one, root, place) for one in asked]
+            found = [fault(value, one, root, place) for one in rule]
             return "" if "" in found else found[0]
         case "type":
             # to Python a bool is a number
-            right = isinstance(value, TYPES[asked]) and (asked == "boolean" or not isinstance(value, bool))
-            return "" if right else f"{place or 'the whole'} is no {asked}"
+            right = isinstance(value, TYPES[rule]) and (rule == "boolean" or not isinstance(value, bool))
+            return "" if right else f"{place or 'the whole'} is no {rule}"
         case "enum":
-            return "" if any(_same(value, one) for one in asked) else f"{place} is none of {', '.join(map(str, asked))}"
+            return "" if any(_same(value, one) for one in rule) else f"{place} is none of {', '.join(map(str, rule))}"
         case "const":
-            return "" if _same(value, asked) else f"{place} is not {asked}"
+            return "" if _same(value, rule) else f"{place} is not {rule}"
         case "pattern":
-            return "" if not isinstance(value, str) or re.search(asked, value) else f"{place} is not as {asked}"
+            return "" if not isinstance(value, str) or re.search(rule, value) else f"{place} is not as {rule}"
         case "required":
-            missing = [name for name in asked if name not in members] if isinstance(value, dict) else []
+            missing = [name for name in rule if name not in members] if isinstance(value, dict) else []
             return f"{place}.{missing[0]} is missing" if missing else ""
         case "properties":
-            return _first(((f"{place}.{name}", members[name], asked[name]) for name in asked if name in members), root)
+            return _first(((f"{place}.{name}", members[name], rule[name]) for name in rule if name in members), root)
         case "additionalProperties":
             more = [name for name in members if name not in schema.get("properties", {})]
-            if asked is False:
+            if rule is False:
                 return f"{place}.{more[0]} is not known" if more else ""
-            return _first(((f"{place}.{name}", members[name], asked) for name in more), root)
+            return _first(((f"{place}.{name}", members[name], rule) for name in more), root)
         case "items":
             rows = value if isinstance(value, list) else []
-            return _first(((f"{place}[{k}]", one, asked) for k, one in enumerate(rows)), root)
+            return _first(((f"{place}[{k}]", one, rule) for k, one in enumerate(rows)), root)
         case "minItems" | "maxItems":
-            return f"{place} has {len(value)} parts" if isinstance(value, list) and not BOUNDS[word](len(value), asked) else ""
+            return f"{place} has {len(value)} parts" if isinstance(value, list) and not BOUNDS[word](len(value), rule) else ""
         case "minimum" | "exclusiveMinimum" | "maximum":
             is_number = isinstance(value, int | float) and not isinstance(value, bool)
-            return f"{place} is beyond {asked}" if is_number and not BOUNDS[word](value, asked) else ""
+            return f"{place} is beyond {rule}" if is_number and not BOUNDS[word](value, rule) else ""
     raise ValueError(f"keyword {word} of a schema")
 
 
-def _same(value: object, asked: object) -> bool:
-    return value == asked and isinstance(value, bool) == isinstance(asked, bool)
+def _same(value: object, rule: object) -> bool:
+    return value == rule and isinstance(value, bool) == isinstance(rule, bool)

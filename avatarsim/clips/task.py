@@ -15,12 +15,12 @@ from avatarsim.assets.motions.home import parsed_home
 from avatarsim.assets.motions.load import NO_HOME, options_of
 from avatarsim.cleaning import Audit, Cleaned, audit, clean
 from avatarsim.clips import certificate
-from avatarsim.clips.found import Clip
-from avatarsim.clips.inputs import carried_in, files_of, given, motion_files, options_for, read
+from avatarsim.clips.atomic_files import moved, put, require_replaceable, sha256_of, temporary_path, write_atomically
+from avatarsim.clips.clip_files import Clip
+from avatarsim.clips.inputs import carried_in, files_of, load_models, motion_files, options_for, read
+from avatarsim.clips.options import OPTIONS, ClipOptions
 from avatarsim.clips.page.clip_page import Shown, clip_page
 from avatarsim.clips.page.layout import GENERATOR
-from avatarsim.clips.whole_files import beside, moved, put, require_ours, sha256_of, write_whole
-from avatarsim.clips.wishes import OPTIONS, Wishes
 from avatarsim.errors import InvalidFile, InvalidInput, StartOverlaps
 from avatarsim.scene.body import Body
 from avatarsim.scene.carried import Carried
@@ -39,20 +39,20 @@ class Task:
     (`force`), also in place of a file that another program wrote."""
 
     clip: Clip
-    wishes: Wishes
+    options: ClipOptions
     out: Path | None
     force: bool = False
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """Result of a clip: its entry in the certificate, or the trouble (its kind and a sentence). `kept`: it was done before.
-    `said` are sentences for the user that are not part of the certificate."""
+    """Result of a clip: its entry in the certificate, or the trouble (its kind and a sentence). `done_before`: earlier.
+    `notes` are sentences for the user that are not part of the certificate."""
 
     place: str
     entry: Mapping[str, object] | None = None
     trouble: tuple[str, str] | None = None
-    kept: bool = False
+    done_before: bool = False
     notes: tuple[str, ...] = ()
 
 
@@ -74,39 +74,39 @@ class _Clip:
     """One clip in progress."""
 
     def __init__(self, task: Task) -> None:
-        self.task, self.wishes = task, task.wishes
+        self.task, self.options = task, task.options
         self.place, self.path = task.clip.place, task.clip.path
         self.carried: tuple[Carried, ...] = ()
-        self.asked = options_for(task.clip.path, task.wishes.reading)
+        self.reader_options = options_for(task.clip.path, task.options.reading)
 
     def done(self, progress: Callable[[float], None] | None) -> Outcome:
-        files = files_of(self.wishes)
-        key = certificate.key(motion_files(self.path, self.wishes.reading), files.avatar, files.room, self.wishes)
+        files = files_of(self.options)
+        key = certificate.key(motion_files(self.path, self.options.reading), files.avatar, files.room, self.options)
         if self.task.out is not None and not self.task.force:
-            kept = finished(self.task.out, self.place, key, self.wishes.page)
-            if kept is not None:
-                return Outcome(self.place, kept, kept=True)
-        avatar, room = given(self.wishes, files)
-        file, unused = read(self.path, self.asked)
+            earlier = finished(self.task.out, self.place, key, self.options.page)
+            if earlier is not None:
+                return Outcome(self.place, earlier, done_before=True)
+        avatar, room = load_models(self.options, files)
+        file, unused = read(self.path, self.reader_options)
         model = _model(avatar, file.model(), self.path)
         motion = file.motion(model)
         notes = [*(room.notes if room else ()), *model.notes, *file.notes]
-        self.carried = carried_in(file, self.wishes.reading)
-        if self.wishes.rate is not None:
-            motion = motion.resampled(self.wishes.rate)
-            self.carried = tuple(one.resampled(self.wishes.rate) for one in self.carried)
-        if self.wishes.ground is not None:
-            motion = lowered(motion, self.wishes.ground)
-            self.carried = tuple(replace(one, motion=lowered(one.motion, self.wishes.ground)) for one in self.carried)
+        self.carried = carried_in(file, self.options.reading)
+        if self.options.rate is not None:
+            motion = motion.resampled(self.options.rate)
+            self.carried = tuple(one.resampled(self.options.rate) for one in self.carried)
+        if self.options.ground is not None:
+            motion = lowered(motion, self.options.ground)
+            self.carried = tuple(replace(one, motion=lowered(one.motion, self.options.ground)) for one in self.carried)
         bodies = room.room if room else ()
         reasons = {"home": f": {NO_HOME}"}
         left = (f"--{OPTIONS.get(name, name)} is not for {self.path.suffix} files{reasons.get(name, '')}" for name in unused)
         reported = (*left, *file.notes)
         if self.task.out is None:
-            before = audit(motion, model, bodies, self.wishes.cleaning, self.carried)
+            before = audit(motion, model, bodies, self.options.cleaning, self.carried)
             measured = certificate.entry(self.place, file.format, key, motion, before, notes=notes)
             return Outcome(self.place, measured, notes=(*reported, *_of_clip(self.place, before)))
-        cleaned = clean(motion, model, bodies, self.wishes.cleaning, progress, self.carried)
+        cleaned = clean(motion, model, bodies, self.options.cleaning, progress, self.carried)
         entry = self._written(file.written(cleaned.motion, model), file.format, key, motion, cleaned, model, room, notes)
         return Outcome(self.place, entry, notes=(*reported, *_of_clip(self.place, cleaned.before)))
 
@@ -118,43 +118,43 @@ class _Clip:
         out = self.task.out
         assert out is not None
         target = out / self.place
-        with beside(target) as path:
+        with temporary_path(target) as path:
             put(content, path)
             back, after = self._read_back(path, motion, cleaned, model, room.room if room else ())
             outputs = {"motion": (self.place, sha256_of(path))}
             self._require_free(target, outputs["motion"][1])
             entry = certificate.entry(self.place, format_, key, motion, cleaned.before, after, cleaned, notes, outputs)
-            if self.wishes.page:
+            if self.options.page:
                 shown = Shown(model, room, motion, back, cleaned.before, after, cleaned.flagged, self.carried)
                 page = page_of(self.place)
-                require_ours(out / page, GENERATOR, self.task.force, page)
-                write_whole(out / page, clip_page(entry, shown, page))
+                require_replaceable(out / page, GENERATOR, self.task.force, page)
+                write_atomically(out / page, clip_page(entry, shown, page))
             moved(path, target)
-        write_whole(out / certificate_of(self.place), certificate.text(entry))
+        write_atomically(out / certificate_of(self.place), certificate.text(entry))
         return entry
 
     def _read_back(
         self, path: Path, motion: Motion, cleaned: Cleaned, model: Model, bodies: tuple[Body, ...]
     ) -> tuple[Motion, Audit]:
         """Read the written motion back with its reader, and measure it."""
-        asked = dict(self.asked)
-        if self.wishes.rate is not None and "rate" in options_of(self.path.suffix.lower()):
+        options = dict(self.reader_options)
+        if self.options.rate is not None and "rate" in options_of(self.path.suffix.lower()):
             # for a file that states none
-            asked["rate"] = self.wishes.rate
-        if "home" in asked and parsed_home("home", asked["home"])[0] is None:
+            options["rate"] = self.options.rate
+        if "home" in options and parsed_home("home", options["home"])[0] is None:
             # a frame as recorded
-            asked["home"] = f"{self.path}:{asked['home']}"
-        back = read(path, asked)[0].motion(model)
+            options["home"] = f"{self.path}:{options['home']}"
+        back = read(path, options)[0].motion(model)
         if len(back) != len(motion):
             raise InvalidFile(f"frames of {self.place} as it was written", len(back), f"{len(motion)}, as it was cleaned")
-        kept = ("positions", "rotations", "angles")
-        same = all(np.array_equal(getattr(back, name), getattr(cleaned.motion, name)) for name in kept)
+        fields = ("positions", "rotations", "angles")
+        same = all(np.array_equal(getattr(back, name), getattr(cleaned.motion, name)) for name in fields)
         if same:
             return back, cleaned.after
-        found = audit(back, model, bodies, self.wishes.cleaning, self.carried)
+        found = audit(back, model, bodies, self.options.cleaning, self.carried)
         # over frames selected by the input, which the written motion does not contain; rounding changes no digit
-        kept_measures = {name: getattr(cleaned.after, name) for name in ("jerk_free", "jerk_held", "foot_slide")}
-        return back, replace(found, **kept_measures)
+        measures = {name: getattr(cleaned.after, name) for name in ("jerk_free", "jerk_held", "foot_slide")}
+        return back, replace(found, **measures)
 
     def _require_free(self, target: Path, content: str) -> None:
         """Raise InvalidInput where a file that this program did not write is in the place of the result."""
@@ -162,8 +162,8 @@ class _Clip:
             return
         assert self.task.out is not None
         before = certificate.read(self.task.out / certificate_of(self.place))
-        ours = {content, certificate.output_hash(before, "motion")}
-        if not target.is_file() or sha256_of(target) not in ours:
+        known_hashes = {content, certificate.output_hash(before, "motion")}
+        if not target.is_file() or sha256_of(target) not in known_hashes:
             valid = "a place without a file that something else wrote; take another folder, or --force to write over it"
             raise InvalidInput("place of the result", self.place, valid)
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from avatarsim.clips.whole_files import write_whole
+from avatarsim.clips.atomic_files import write_atomically
 from avatarsim.errors import AvatarsimError, InvalidFile, InvalidInput, UnknownName, ended_by
 from avatarsim.live.channel import pair
 from avatarsim.live.figures import SPAN, Window
@@ -232,7 +232,7 @@ class Session:
         if answer.refused:
             raise InvalidFile("recording", str(path), answer.refused)
         try:
-            write_whole(path, Path(answer.told).read_bytes())
+            write_atomically(path, Path(answer.told).read_bytes())
         except OSError as error:
             raise InvalidFile("recording", str(path), f"a place that takes a file ({error.strerror})") from error
 

@@ -33,9 +33,9 @@ def test_a_recording_runs_again_up_to_its_first_difference(
     assert main(["replay", path]) == code
     capsys.readouterr()
     assert main(["replay", path, "--json"]) == code
-    told = json.loads(capsys.readouterr().out)
-    assert told["is_same"] is (code == 0) and (told["frames"], told["commands"]) == (30, 0) and not told["other_versions"]
-    assert (told["first_difference"] or {"frame": 0})["frame"] == wrong
+    result = json.loads(capsys.readouterr().out)
+    assert result["is_same"] is (code == 0) and (result["frames"], result["commands"]) == (30, 0) and not result["other_versions"]
+    assert (result["first_difference"] or {"frame": 0})["frame"] == wrong
 
 
 def test_a_torn_recording_is_run_up_to_its_last_whole_row(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

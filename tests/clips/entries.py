@@ -9,8 +9,8 @@ import numpy as np
 from avatarsim.cleaning import AtRest, Audit, Cleaned, Flagged, Moved, Opinion
 from avatarsim.cleaning.result import Excluded
 from avatarsim.clips import certificate
+from avatarsim.clips.options import ClipOptions
 from avatarsim.clips.reading import Reading
-from avatarsim.clips.wishes import Wishes
 from avatarsim.scene.motion import Motion
 
 FRAMES = 4
@@ -37,8 +37,8 @@ def entry(**changed: Any) -> dict[str, object]:
                       np.array([False, True, False, False]), (
         Flagged(1, 2, "overlap", ("hand", "table")), Flagged(3, 3, "blend")))
     files = (("walk.bvh", "0" * 64),)
-    wishes = Wishes(Path("/models/deep/robot.xml"), Path("floor"), reading=Reading(asf="/skeletons/02.asf", fix=("a", "b")))
-    decides = certificate.key(files, (("robot.xml", "1" * 64), ("assets/a.stl", "2" * 64)), (), wishes)
+    options = ClipOptions(Path("/models/deep/robot.xml"), Path("floor"), reading=Reading(asf="/skeletons/02.asf", fix=("a", "b")))
+    decides = certificate.key(files, (("robot.xml", "1" * 64), ("assets/a.stl", "2" * 64)), (), options)
     outputs = {"motion": ("deep/walk.bvh", "3" * 64)}
     return certificate.entry(
         "deep/walk.bvh", "bvh", decides, motion(), cleaned.before, cleaned.after, cleaned, ["read so"], outputs, **changed

@@ -9,8 +9,8 @@ import pytest
 
 from avatarsim.cleaning import Options
 from avatarsim.clips import certificate
-from avatarsim.clips.batch import WHOLE, left_undone
-from avatarsim.clips.wishes import Wishes
+from avatarsim.clips.batch import FOLDER_CERTIFICATE, left_undone
+from avatarsim.clips.options import ClipOptions
 from avatarsim.errors import InvalidFile
 from tests.clips.entries import audit, entry, motion
 
@@ -24,7 +24,7 @@ def valid(value: dict[str, object]) -> None:
 def test_a_certificate_keeps_to_its_schema() -> None:
     whole = certificate.summary("clean", [entry()], [("bad.bvh", "unreadable", "cut off")])
     valid(json.loads(certificate.text(whole)))
-    decides = certificate.key((("a.csv", "0" * 64),), (), (), Wishes())
+    decides = certificate.key((("a.csv", "0" * 64),), (), (), ClipOptions())
     measured = certificate.entry("a.csv", "csv", decides, motion(), audit(0.02, False))
     valid(json.loads(certificate.text(certificate.summary("audit", [measured], []))))
 
@@ -63,8 +63,8 @@ def test_equal_runs_leave_equal_bytes_without_machine_or_time() -> None:
     one: Any = entry()
     assert one["options"]["avatar"] == "robot.xml" and one["options"]["reading"]["asf"] == "02.asf"
     assert set(one["versions"]) >= {"avatarsim", "code", "numpy", "coal"}
-    told: Any = certificate.plain(Wishes(cleaning=Options(margin=0.002)).told())
-    assert told["cleaning"]["margin"] == 0.002 and set(told["cleaning"]) == set(vars(Options()))
+    result: Any = certificate.plain(ClipOptions(cleaning=Options(margin=0.002)).as_json())
+    assert result["cleaning"]["margin"] == 0.002 and set(result["cleaning"]) == set(vars(Options()))
 
 
 @pytest.mark.parametrize("content", [b"", b"{", b"[]", b'{"motion": 3}', b"\xff\xfe", b'{"motion": NaN', b"[" * 5000])
@@ -80,6 +80,6 @@ def test_what_is_no_certificate_counts_as_none(tmp_path: Path, content: bytes) -
 @pytest.mark.parametrize("content", [b"{", b"[]", b'{"not_done": 3}', b'{"not_done": [{"name": 3}]}', b"\xff"])
 def test_a_damaged_certificate_of_the_folder_is_refused(tmp_path: Path, content: bytes) -> None:
     assert left_undone(tmp_path, frozenset()) == ()
-    (tmp_path / WHOLE).write_bytes(content)
-    with pytest.raises(InvalidFile, match=WHOLE):
+    (tmp_path / FOLDER_CERTIFICATE).write_bytes(content)
+    with pytest.raises(InvalidFile, match=FOLDER_CERTIFICATE):
         left_undone(tmp_path, frozenset())

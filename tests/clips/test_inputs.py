@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from avatarsim.assets.motions.load import options_of
-from avatarsim.clips.inputs import files_of, given, motion_files, options_for, skeleton_of
+from avatarsim.clips.inputs import files_of, load_models, motion_files, options_for, skeleton_of
+from avatarsim.clips.options import FLOOR, ClipOptions
 from avatarsim.clips.reading import Reading
-from avatarsim.clips.wishes import FLOOR, Wishes
 from avatarsim.errors import InvalidFile, UnknownName
 from avatarsim.scene.shape import Sphere
 from tests.assets.meshes.solids import cube, obj_text
@@ -43,14 +43,14 @@ def test_a_model_is_all_files_that_it_names(tmp_path: Path) -> None:
     model = tmp_path / "robot.xml"
     model.write_text(MESHED)
     (tmp_path / "unused.obj").write_text("o nothing")
-    wishes = Wishes(avatar=model, room=Path(FLOOR))
-    first = files_of(wishes)
+    options = ClipOptions(avatar=model, room=Path(FLOOR))
+    first = files_of(options)
     assert first.avatar == (("parts/tip.obj", sha(mesh)), ("robot.xml", sha(model))) and first.room == ()
-    avatar, room = given(wishes, first)
-    assert given(wishes, first)[0] is avatar and room is not None and room.bodies[0].name == "floor"
+    avatar, room = load_models(options, first)
+    assert load_models(options, first)[0] is avatar and room is not None and room.bodies[0].name == "floor"
     # another file under the same name is another model
     model.write_text(MESHED.replace('size="0.1"', 'size="0.15"'))
-    again, _ = given(wishes, files_of(wishes))
+    again, _ = load_models(options, files_of(options))
     shapes = [one.avatar.links[0].pieces[0].shape for one in (avatar, again) if one and one.avatar]
     assert [shape.radius for shape in shapes if isinstance(shape, Sphere)] == [0.1, 0.15]
 
@@ -60,22 +60,22 @@ def test_meshes_of_a_package_and_included_files_count_too(tmp_path: Path) -> Non
     (tmp_path / "package.xml").write_text("<package/>")
     (tmp_path / "some" / "tip.obj").write_text(small_cube())
     (tmp_path / "robot.urdf").write_text(URDF)
-    assert [name for name, _ in files_of(Wishes(avatar=tmp_path / "robot.urdf")).avatar] == ["robot.urdf", "some/tip.obj"]
+    assert [name for name, _ in files_of(ClipOptions(avatar=tmp_path / "robot.urdf")).avatar] == ["robot.urdf", "some/tip.obj"]
     (tmp_path / "arm.xml").write_text(f"<mujoco>{ROBOT.partition('>')[2]}")
     (tmp_path / "whole.xml").write_text('<mujoco><include file="arm.xml"/></mujoco>')
-    assert [name for name, _ in files_of(Wishes(avatar=tmp_path / "whole.xml")).avatar] == ["arm.xml", "whole.xml"]
+    assert [name for name, _ in files_of(ClipOptions(avatar=tmp_path / "whole.xml")).avatar] == ["arm.xml", "whole.xml"]
 
 
 def test_a_room_is_no_avatar_and_a_mesh_is_its_own_file(tmp_path: Path) -> None:
     room = tmp_path / "room.obj"
     room.write_text(obj_text(cube()))
-    wishes = Wishes(room=room, reading=Reading(room_scale=2.0, room_up="y"))
-    assert files_of(wishes).room == (("room.obj", sha(room)),)
-    _, found = given(wishes, files_of(wishes))
+    options = ClipOptions(room=room, reading=Reading(room_scale=2.0, room_up="y"))
+    assert files_of(options).room == (("room.obj", sha(room)),)
+    _, found = load_models(options, files_of(options))
     assert found is not None and found.bodies[0].name == "room"
     (tmp_path / "still.xml").write_text('<mujoco><worldbody><geom type="box" size="1 1 1"/></worldbody></mujoco>')
     with pytest.raises(InvalidFile, match="avatar in still.xml|still.xml"):
-        given(Wishes(avatar=tmp_path / "still.xml"), files_of(Wishes(avatar=tmp_path / "still.xml")))
+        load_models(ClipOptions(avatar=tmp_path / "still.xml"), files_of(ClipOptions(avatar=tmp_path / "still.xml")))
 
 
 def test_a_motion_is_its_file_and_its_skeleton(tmp_path: Path) -> None:
@@ -112,20 +112,20 @@ def test_a_keyframe_is_of_the_avatars_file_where_there_is_one(tmp_path: Path) ->
     keys = '<keyframe><key name="bent" qpos="0 0 0.5 1 0 0 0 0.02"/></keyframe></mujoco>'
     (tmp_path / "robot.xml").write_text(ROBOT.replace("</mujoco>", keys))
     (tmp_path / "room.xml").write_text(ground)
-    wishes = Wishes(tmp_path / "robot.xml", tmp_path / "room.xml", reading=Reading(keyframe="bent"))
-    avatar, room = given(wishes, files_of(wishes))
+    options = ClipOptions(tmp_path / "robot.xml", tmp_path / "room.xml", reading=Reading(keyframe="bent"))
+    avatar, room = load_models(options, files_of(options))
     assert avatar is not None and avatar.start is not None and avatar.start.angles.tolist() == [0.02]
     assert room is not None and [body.name for body in room.bodies] == ["ground"]
-    alone = replace(wishes, avatar=None)
+    alone = replace(options, avatar=None)
     with pytest.raises(UnknownName, match="keyframe of room.xml"):
-        given(alone, files_of(alone))
+        load_models(alone, files_of(alone))
 
 
 def test_a_home_counts_by_its_file(tmp_path: Path) -> None:
     clip, other = bvh(tmp_path / "a.bvh"), bvh(tmp_path / "b.bvh", seed=1)
     for home in (str(other), f"{other}:3"):
-        asked = Reading(home=home)
-        assert motion_files(clip, asked) == (("a.bvh", sha(clip)), ("b.bvh", sha(other))) and asked.of_motion() == {"home": home}
-        assert Path(home).name in str(Wishes(reading=asked).told()) and str(tmp_path) not in str(Wishes(reading=asked).told())
+        read, options = Reading(home=home), str(ClipOptions(reading=Reading(home=home)).as_json())
+        assert motion_files(clip, read) == (("a.bvh", sha(clip)), ("b.bvh", sha(other))) and read.of_motion() == {"home": home}
+        assert Path(home).name in options and str(tmp_path) not in options
     assert motion_files(clip, Reading(home="3")) == (("a.bvh", sha(clip)),)
     assert "home" in options_of(".amc") and "home" not in options_of(".csv")

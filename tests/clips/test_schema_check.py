@@ -13,7 +13,7 @@ from avatarsim.clips import certificate
 from avatarsim.clips.schema_check import fault
 from tests.clips.entries import entry
 
-WHOLE = certificate.schema()
+FOLDER_CERTIFICATE = certificate.schema()
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers(-2, 3) | st.floats(-1.0, 2.0) | st.text(max_size=3) | st.just("0" * 64),
     lambda part: st.lists(part, max_size=3) | st.dictionaries(st.sampled_from(["a", "name", "frames"]), part, max_size=3),
@@ -48,9 +48,9 @@ def damaged(value: Any, rng: random.Random) -> Any:
 def test_it_agrees_with_a_whole_validator_on_certificates() -> None:
     rng, right = random.Random(5), 0
     value = certificate.plain(certificate.summary("clean", [entry()], [("a", "b", "c")]))
-    assert agree(value, WHOLE)
+    assert agree(value, FOLDER_CERTIFICATE)
     for _ in range(600):
-        right += agree(damaged(value, rng), WHOLE)
+        right += agree(damaged(value, rng), FOLDER_CERTIFICATE)
     assert 4 < right < 480
 
 

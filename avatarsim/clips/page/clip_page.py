@@ -82,7 +82,7 @@ def clip_page(entry: Mapping[str, Any], shown: Shown, place: str) -> bytes:
         "<h2>Measures</h2>",
         measures(entry),
         _moved(entry),
-        _said(entry),
+        _notes(entry),
         "</main>",
         data("clip", replay(name, shown, moments)),
     ])
@@ -161,8 +161,8 @@ def measures(entry: Mapping[str, Any]) -> str:
     """Return the table of measures, before and after."""
     rows = []
 
-    def row(name: str, of: str, *told: str) -> None:
-        rows.append([esc(name), esc(of), *told])
+    def row(name: str, of: str, *cells: str) -> None:
+        rows.append([esc(name), esc(of), *cells])
 
     both = ("before", "after")
     overlap, chords, limits = entry["overlap"], entry["between_frames"], entry["limits"]
@@ -173,13 +173,13 @@ def measures(entry: Mapping[str, Any]) -> str:
     opinions = [entry["second_opinion"][when] for when in both]
     by = next((one["by"] for one in opinions if one), None)
     if by:
-        told = [f"{length(one['frames_deepest_m'])} / {length(one['between_deepest_m'])}" if one else "—" for one in opinions]
-        row("deepest overlap, in / between frames", f"second opinion, {by}", esc(told[0]), esc(told[1]))
+        cells = [f"{length(one['frames_deepest_m'])} / {length(one['between_deepest_m'])}" if one else "—" for one in opinions]
+        row("deepest overlap, in / between frames", f"second opinion, {by}", esc(cells[0]), esc(cells[1]))
     row("joints outside limits, most", "", *(esc(limit_excess(limits, when)) for when in both))
     jerk = entry["jerk_p95_m_s3"]
     for name, key in (("where the input is free", "where_free"), ("elsewhere", "elsewhere")):
-        told = [_per_cubed(jerk[when][key]) for when in both]
-        row("jerk, 95th percentile", name, esc(told[0]), esc(told[1]))
+        cells = [_per_cubed(jerk[when][key]) for when in both]
+        row("jerk, 95th percentile", name, esc(cells[0]), esc(cells[1]))
     slides = [entry["foot_slide_m_s"][when] for when in both]
     row("foot slide", "mean over planted feet", *("—" if one is None else f"{one:.3f} m/s" for one in slides))
     return table(["", "", "before", "after"], rows)
@@ -220,7 +220,7 @@ def _moved(entry: Mapping[str, Any]) -> str:
     return "\n".join(parts)
 
 
-def _said(entry: Mapping[str, Any]) -> str:
+def _notes(entry: Mapping[str, Any]) -> str:
     found = ""
     if entry["said"]:
         found = "<h2>Said</h2>\n<ul class=soft>" + "".join(f"<li>{esc(one)}</li>" for one in entry["said"]) + "</ul>"
@@ -293,8 +293,8 @@ def captions(shown: Shown, at: NDArray[np.int64]) -> dict[int, tuple[str, str]]:
 
 
 def _caption(*depths: float) -> str:
-    told = (f"overlap {length(depth)}" if depth > 0.0 else "no overlap" for depth in depths)
-    return ", ".join(f"{when}: {text}" for when, text in zip(("before", "after"), told, strict=True))
+    cells = (f"overlap {length(depth)}" if depth > 0.0 else "no overlap" for depth in depths)
+    return ", ".join(f"{when}: {text}" for when, text in zip(("before", "after"), cells, strict=True))
 
 
 def room_of(model: Model) -> list[payload.Drawn]:

@@ -11,15 +11,15 @@ HEAD = [
 ]
 
 
-def index_page(whole: Mapping[str, Any]) -> bytes:
+def index_page(summary: Mapping[str, Any]) -> bytes:
     """Return the page of a summary (`certificate.summary`) as bytes."""
-    clips: Sequence[Mapping[str, Any]] = whole["clips"]
-    troubles: Sequence[Mapping[str, Any]] = whole["not_done"]
+    clips: Sequence[Mapping[str, Any]] = summary["clips"]
+    troubles: Sequence[Mapping[str, Any]] = summary["not_done"]
     left = [one for one in clips if not one["is_clean"]]
-    said = verdict(len(clips), len(left), len(troubles))
+    text = verdict(len(clips), len(left), len(troubles))
     parts = [
         "<main>", "<h1>Cleaned motion</h1>",
-        f'<p class="verdict{" left" if left or troubles else ""}"><b>{esc(said)}</b><br><span class=soft>Overlap is the depth by '
+        f'<p class="verdict{" left" if left or troubles else ""}"><b>{esc(text)}</b><br><span class=soft>Overlap is the depth by '
         "which shapes go through one another; a way is what a player shows from one frame to the next. "
         'All figures: <a href="certificate.json">certificate.json</a>.</span></p>',
         table(HEAD, [_row(one) for one in clips]) if clips else "<p class=soft>No clip.</p>",
@@ -42,13 +42,13 @@ def _row(one: Mapping[str, Any]) -> list[str]:
     link = f'<a href="pages/{address(name)}.html">{esc(name)}</a>' if one["options"]["page"] else esc(name)
     verdict = "<span class=good>clean</span>" if one["is_clean"] else "<span class=bad>not clean</span>"
     opinion = one["second_opinion"]["after"]
-    told = "—" if opinion is None else length(max(opinion["frames_deepest_m"], opinion["between_deepest_m"]))
+    depth = "—" if opinion is None else length(max(opinion["frames_deepest_m"], opinion["between_deepest_m"]))
     most = max(one["moved"]["links"], key=lambda link: link["p95_m"], default=None)
     farthest = max((link["most_m"] for link in one["moved"]["links"]), default=0.0)
     moved = "—" if most is None else f"{length(most['p95_m'])} / {length(farthest)}, {most['name']}"
     return [
         f"{link}<br>{verdict}", esc(f"{one['frames']} frames"), _overlap(overlap["before"]), _overlap(overlap["after"]),
-        esc(f"{chords['not_certified_before']} / {chords['not_certified_after']}"), esc(told), esc(moved), esc(jerk_ratio(one)),
+        esc(f"{chords['not_certified_before']} / {chords['not_certified_after']}"), esc(depth), esc(moved), esc(jerk_ratio(one)),
         esc(f"{one['changed_frames']} frames changed, flagged runs: {len(one['flagged'])}"),
     ]
 

@@ -14,7 +14,7 @@ FLOOR = "floor"
 
 
 @dataclass(frozen=True)
-class Wishes:
+class ClipOptions:
     """All options that determine the result of a motion.
 
     avatar, room   files; None for the skeleton that a motion brings, and for no room
@@ -32,7 +32,7 @@ class Wishes:
     cleaning: Options = Options()
     page: bool = True
 
-    def told(self) -> dict[str, object]:
+    def as_json(self) -> dict[str, object]:
         """Return all options as JSON, files by their names: a certificate does not depend on the machine."""
         reading = {field.name: getattr(self.reading, field.name) for field in fields(Reading)}
         for name in ("asf", "folder", "home", "offsets", "object_file"):

@@ -25,7 +25,7 @@ BEGINNING = 4096
 
 
 @contextmanager
-def beside(place: Path) -> Iterator[Path]:
+def temporary_path(place: Path) -> Iterator[Path]:
     """Yield a path for a file that is to become `place`: same name, in a temporary folder next to it, removed at the end.
 
     Raises OSError where none can be made."""
@@ -62,14 +62,14 @@ def moved(written: Path, place: Path) -> None:
             os.close(handle)
 
 
-def write_whole(place: Path, content: bytes) -> None:
+def write_atomically(place: Path, content: bytes) -> None:
     """Write `content` to `place` atomically: it has the old or the new bytes even after a power loss. Raises OSError."""
-    with beside(place) as path:
+    with temporary_path(place) as path:
         put(content, path)
         moved(path, place)
 
 
-def clear_halves(out: Path) -> None:
+def remove_partial_files(out: Path) -> None:
     """Remove the partial files of killed commands in and below a folder."""
     for folder, names, _ in os.walk(out):
         for name in [name for name in names if name.startswith(BEGUN) and name.endswith(PART)]:
@@ -99,27 +99,27 @@ def alone_in(out: Path) -> Iterator[None]:
             tempfile.TemporaryFile(dir=out).close()
         except OSError as error:
             raise InvalidInput("output folder", str(out), f"a folder that can be written to ({_why(error)})") from error
-        clear_halves(out)
+        remove_partial_files(out)
         try:
             yield
         finally:
             # of commands stopped while writing
-            clear_halves(out)
+            remove_partial_files(out)
     finally:
         os.close(handle)
 
 
-def require_ours(place: Path, mark: str, force: bool, named: str = "") -> None:
+def require_replaceable(place: Path, mark: str, force: bool, named: str = "") -> None:
     """Raise InvalidInput where an existing file at the place of an output does not have `mark` near its beginning.
     With `force` it may be overwritten. `named`: the place's name in the error; else its path."""
     if force or not os.path.lexists(place):
         return
     try:
-        with opened_at_once(place) as file:
-            ours = mark.encode() in file.read(BEGINNING)
+        with open_nonblocking(place) as file:
+            has_mark = mark.encode() in file.read(BEGINNING)
     except OSError:
-        ours = False
-    if not ours:
+        has_mark = False
+    if not has_mark:
         valid = "a place without a file that something else wrote; take another folder, or --force to write over it"
         raise InvalidInput("place of a result", named or str(place), valid)
 
@@ -128,12 +128,12 @@ def _why(error: OSError | ValueError) -> str:
     return (getattr(error, "strerror", None) or str(error)).lower()
 
 
-def opened_at_once(path: Path) -> BufferedReader:
+def open_nonblocking(path: Path) -> BufferedReader:
     """Return a file open for reading, without waiting for a writer if the name is a pipe. Raises OSError."""
     return open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK))
 
 
 def sha256_of(path: Path) -> str:
     """Return the SHA-256 of a file, in hexadecimal digits. Raises OSError."""
-    with opened_at_once(path) as file:
+    with open_nonblocking(path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

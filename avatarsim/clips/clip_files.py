@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from avatarsim.assets.motions.load import PICKLES, READERS
-from avatarsim.clips.whole_files import opened_at_once
+from avatarsim.clips.atomic_files import open_nonblocking
 from avatarsim.errors import InvalidInput
 
-OURS = ("certificate.json", "index.html", "certificates", "pages")
+OUTPUT_NAMES = ("certificate.json", "index.html", "certificates", "pages")
 """Names in the output folder that no clip may have there."""
 CLIPS = 1_000_000
 """Most clips of a command. The largest collection known here has 150,000. More: their names alone fill the memory."""
@@ -24,7 +24,7 @@ class Clip:
 
 
 @dataclass(frozen=True)
-class Found:
+class ClipFiles:
     """Clips of a command in the order of their places, files of folders that are `left` alone since they are no motions, and
     `folders` by their places, including unreadable ones: (place, path, why)."""
 
@@ -39,7 +39,7 @@ class Found:
         return frozenset([*(clip.place for clip in self.clips), *self.folders])
 
 
-def found(named: Sequence[Path], out: Path | None) -> Found:
+def find_clips(named: Sequence[Path], out: Path | None) -> ClipFiles:
     """Return the clips of the `named` files and folders, without files in the folder `out`.
 
     A file's place is its name; that of a file in a folder is its path in that folder; a folder's place ends in a slash. Raises
@@ -63,7 +63,7 @@ def found(named: Sequence[Path], out: Path | None) -> Found:
                 raise InvalidInput("number of clips", f"above {CLIPS}", f"up to {CLIPS} in one command")
     clips = sorted(set(clips))
     _require_places(clips, out)
-    return Found(tuple(clips), tuple(left), tuple(sorted(set(folders))), tuple(unreadable))
+    return ClipFiles(tuple(clips), tuple(left), tuple(sorted(set(folders))), tuple(unreadable))
 
 
 def _files(folder: Path, out: Path | None, looked: list[str], unreadable: list[tuple[str, Path, str]]) -> Iterator[Path]:
@@ -93,7 +93,7 @@ def is_motion(path: Path) -> bool:
     if suffix != ".txt":
         return suffix in READERS or suffix in PICKLES
     try:
-        with opened_at_once(path) as file:
+        with open_nonblocking(path) as file:
             return file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"{", b"["))
     except OSError:
         # reported later as unreadable
@@ -110,8 +110,8 @@ def _require_places(clips: Sequence[Clip], out: Path | None) -> None:
             valid = "one clip for each name in the output folder; name the folder above both in their place"
             raise InvalidInput("clips of one name", [str(taken[clip.place]), str(clip.path)], valid)
         taken[clip.place] = clip.path
-        if PurePosixPath(clip.place).parts[0] in OURS:
-            raise InvalidInput("name of a clip", clip.place, f"a name that is none of {', '.join(OURS)}")
+        if PurePosixPath(clip.place).parts[0] in OUTPUT_NAMES:
+            raise InvalidInput("name of a clip", clip.place, f"a name that is none of {', '.join(OUTPUT_NAMES)}")
         if _real(out / clip.place) in sources:
             raise InvalidInput("output folder", str(out), f"a folder in which {clip.place} is no file that is read")
 

@@ -22,25 +22,25 @@ def main(arguments: list[str] | None = None) -> int:
         return pieces(words[1:])
     if words[:1] == ["compare"]:
         return _compare(words[1:])
-    asked = parsed(words)
+    args = parsed(words)
     try:
-        if asked.command in ("clean", "audit"):
+        if args.command in ("clean", "audit"):
             from avatarsim.cli.motions import run
 
-            return run(asked)
-        if asked.command == "live":
+            return run(args)
+        if args.command == "live":
             from avatarsim.cli.live import run as live
 
-            return live(asked)
-        if asked.command == "replay":
+            return live(args)
+        if args.command == "replay":
             from avatarsim.cli.replay import run as again
 
-            return again(asked)
+            return again(args)
         from avatarsim.cli.compiling import run as compiling
 
-        return compiling(asked)
+        return compiling(args)
     except AvatarsimError as error:
-        print(f"avatarsim: {in_words(str(error), asked.command or '')}", file=sys.stderr)
+        print(f"avatarsim: {in_words(str(error), args.command or '')}", file=sys.stderr)
         return UNREADABLE if isinstance(error, InvalidFile) else USAGE
 
 
