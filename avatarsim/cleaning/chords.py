@@ -48,7 +48,7 @@ class Chords:
         self._owner, self._hinges = self.world.geometry.body, self.world.hinges
         kinds = self.world.skeleton.kind
         moves = np.repeat([avatar.moves for avatar in scene.avatars], [len(avatar.links) for avatar in scene.avatars])
-        self.given, is_free = np.flatnonzero(moves), (kinds == FREE) & ~moves
+        self.moving, is_free = np.flatnonzero(moves), (kinds == FREE) & ~moves
         self.free_roots, self.turning = np.flatnonzero(is_free), np.flatnonzero(is_free | ((kinds == BALL) & ~moves))
 
     def free_until(self, before: TrackerSample, after: TrackerSample, least: float = 0.0) -> tuple[float, Pair | None]:
@@ -72,14 +72,14 @@ class Chords:
             return sample, beyond
         end = self.parts.end
         clipped = TrackerSample(sample.time, end.root.copy(), rotation.from_matrix(end.turn), end.angle[self._hinges])
-        return self.with_given(clipped, sample), beyond
+        return self.with_moving_bodies(clipped, sample), beyond
 
-    def with_given(self, sample: TrackerSample, other: TrackerSample) -> TrackerSample:
+    def with_moving_bodies(self, sample: TrackerSample, other: TrackerSample) -> TrackerSample:
         """Return the posture with moving bodies at their poses in another one."""
-        if not self.given.size:
+        if not self.moving.size:
             return sample
         positions, rotations = sample.positions.copy(), sample.rotations.copy()
-        positions[self.given], rotations[self.given] = other.positions[self.given], other.rotations[self.given]
+        positions[self.moving], rotations[self.moving] = other.positions[self.moving], other.rotations[self.moving]
         return TrackerSample(sample.time, positions, rotations, sample.angles)
 
     def gaps(self, sample: TrackerSample, pairs: NDArray[np.int64]) -> Array:
@@ -147,7 +147,7 @@ def scene_of(model: Model, room: Room, options: Options, carried: Sequence[Carri
     avatar = model.avatar
     if not isinstance(avatar, Avatar):
         raise InvalidInput("avatar of the model", avatar, "one: a file of a robot, a hand or a skeleton")
-    own, others = ([standing(body) for body in bodies if is_taken(body, options)] for bodies in (model.room, room))
+    own, others = ([standing(body) for body in bodies if takes_part(body, options)] for bodies in (model.room, room))
     links = avatar.links
     taken = {avatar.name} if len(links) == 1 else {f"{avatar.name}/{link.name}" for link in links}
     named, known = with_own_names((*own, *others), taken), taken | {body.name for body in own}
@@ -175,7 +175,7 @@ def bolted(avatar: Avatar) -> tuple[str, ...]:
     return tuple(name for link, name in zip(avatar.links, avatar.link_names, strict=True) if link.name in found)
 
 
-def is_taken(body: Body, options: Options) -> bool:
+def takes_part(body: Body, options: Options) -> bool:
     """Return True if a body takes part: loose ones may be left out."""
     return body.role is Role.FIXED or not options.loose
 

@@ -24,14 +24,14 @@ FILE = "file"
 """Value that selects the limits that the file states."""
 
 
-def speeds_of(given: Rates, coordinates: Coordinates, world: World) -> Array:
+def speeds_of(limits: Rates, coordinates: Coordinates, world: World) -> Array:
     """Return speed limits (ng) of the groups of degrees of freedom [rad/s, m/s], infinite where there is none.
     "file": those of the file, none where it states no speed; a root or a ball, for which no file states one, is not limited then.
 
     Raises InvalidInput and UnknownName for limits that do not fit, and InvalidInput where a joint has no speed in the file while
     others have."""
     stated = {slot.name: slot.speed for slot in _moving(coordinates) if slot.speed > 0.0}
-    if isinstance(given, str) and given == FILE:
+    if isinstance(limits, str) and limits == FILE:
         if not stated:
             return _by_groups({}, coordinates, world)
         rates: dict[str, Rate] = {slot.name: stated.get(slot.name) for slot in _moving(coordinates)}
@@ -40,40 +40,40 @@ def speeds_of(given: Rates, coordinates: Coordinates, world: World) -> Array:
             valid = f"a velocity of each joint in the file; speed_limits={{{missing[0]!r}: ...}} adds it, None limits nothing"
             raise InvalidInput("speed limits of the file, of joint", ", ".join(missing), valid)
         return _by_groups(rates, coordinates, world)
-    return _by_groups(_named("speed limits", given, coordinates, stated), coordinates, world)
+    return _by_groups(_named("speed limits", limits, coordinates, stated), coordinates, world)
 
 
-def accelerations_of(given: Rates, coordinates: Coordinates, world: World) -> Array:
+def accelerations_of(limits: Rates, coordinates: Coordinates, world: World) -> Array:
     """Return acceleration limits (ng) of the groups of degrees of freedom [rad/s^2, m/s^2]. Raises as `speeds_of` does."""
-    if isinstance(given, str) and given == FILE:
-        raise InvalidInput("acceleration limits", given, "numbers: no file states them")
-    return _by_groups(_named("acceleration limits", given, coordinates, {}), coordinates, world)
+    if isinstance(limits, str) and limits == FILE:
+        raise InvalidInput("acceleration limits", limits, "numbers: no file states them")
+    return _by_groups(_named("acceleration limits", limits, coordinates, {}), coordinates, world)
 
 
 def _moving(coordinates: Coordinates) -> list[Slot]:
     return [slot for slot in coordinates.slots if slot.kind != "fixed"]
 
 
-def _named(thing: str, given: Rates, coordinates: Coordinates, stated: Mapping[str, float]) -> Mapping[str, Rate]:
+def _named(thing: str, limits: Rates, coordinates: Coordinates, stated: Mapping[str, float]) -> Mapping[str, Rate]:
     """Return the limits by the joints' names."""
     names = [slot.name for slot in _moving(coordinates)]
-    if isinstance(given, np.ndarray):
-        given = given.tolist()
-    if given is None:
+    if isinstance(limits, np.ndarray):
+        limits = limits.tolist()
+    if limits is None:
         return {}
-    if isinstance(given, Mapping):
-        for name in given:
+    if isinstance(limits, Mapping):
+        for name in limits:
             if name not in names:
                 raise UnknownName(f"joint of the {thing}", str(name), names)
-        missing = [name for name in names if name not in given and name not in stated]
+        missing = [name for name in names if name not in limits and name not in stated]
         if missing:
             raise InvalidInput(f"{thing} without joint", ", ".join(missing), "a number of each joint; None: no limit")
-        return {**stated, **given}
-    if isinstance(given, Sequence) and not isinstance(given, str):
-        if len(given) != len(names):
-            raise InvalidInput(f"number of {thing}", len(given), f"{len(names)}, one a joint: {', '.join(names)}")
-        return dict(zip(names, given, strict=True))
-    number = positive(thing, given, InvalidInput)
+        return {**stated, **limits}
+    if isinstance(limits, Sequence) and not isinstance(limits, str):
+        if len(limits) != len(names):
+            raise InvalidInput(f"number of {thing}", len(limits), f"{len(names)}, one a joint: {', '.join(names)}")
+        return dict(zip(names, limits, strict=True))
+    number = positive(thing, limits, InvalidInput)
     return dict.fromkeys(names, number)
 
 

@@ -172,8 +172,8 @@ class Smoothing:
         smooth = smoothed(d, half)
         d = faded(d, smooth, is_input[some], half) if is_compact else smooth
         trial = self._tracked(part_of(displaced(self.chords, motion, some, d), some), old, bool(is_input[first]))
-        kept = is_input[some] if is_compact else is_input[some] & (np.arange(len(old)) == len(old) - 1)
-        if np.any(trial.kind[kept] != Kind.INPUT) or np.any(trial.kind == Kind.CROSSED):
+        unchanged = is_input[some] if is_compact else is_input[some] & (np.arange(len(old)) == len(old) - 1)
+        if np.any(trial.kind[unchanged] != Kind.INPUT) or np.any(trial.kind == Kind.CROSSED):
             return False
         # every motion segment between its frames was proved free when it was written
         if not self._is_smoother(trial.motion, old, some, is_compact):
@@ -200,8 +200,8 @@ class Smoothing:
             return False
         if not is_compact or not free.any():
             return True
-        asked = jerk(self.chords, part_of(self.motion, some))
-        return not high(jerks[free]) > max(high(before[free]), MOST_JERK * high(asked[free]))
+        recorded_jerk = jerk(self.chords, part_of(self.motion, some))
+        return not high(jerks[free]) > max(high(before[free]), MOST_JERK * high(recorded_jerk[free]))
 
 
 def part_of(motion: Motion, some: slice) -> Motion:

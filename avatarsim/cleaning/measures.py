@@ -60,19 +60,19 @@ def audited(
     jerks = jerk(chords, motion)
     deepest = int(np.argmin(judged.gap))
     depths = np.maximum(0.0, -judged.gap)
-    excluded, said = excluded_pairs(chords, motion), []
+    excluded, warnings = excluded_pairs(chords, motion), []
     blind = sorted((one for one in excluded if one.depth > OVERLAP), key=lambda one: -one.depth)
     if blind:
         named = ", ".join(f"{one.a} and {one.b} ({1e3 * one.depth:.1f} mm)" for one in islice(blind, NAMED))
         more = f" and {len(blind) - NAMED} more" if len(blind) > NAMED else ""
-        said.append(f"excluded pairs that overlap, which no measure counts and no proof looks at: {named}{more}")
+        warnings.append(f"excluded pairs that overlap, which no measure counts and no proof looks at: {named}{more}")
     opinion, why = opinion_of(chords.scene, motion) if with_opinion else (None, "")
     if why:
-        said.append(why)
+        warnings.append(why)
     return Audit(
         depths, judged.pair[deepest] if depths[deepest] > 0.0 else None, certified(chords, motion, -OVERLAP).until,
         float(judged.beyond[:, 0].max()), float(judged.beyond[:, 1].max()), high(jerks[was_free]), high(jerks[~was_free]),
-        excluded, opinion, tuple(said), at_rest_pairs(chords, motion), foot_slide(chords, motion, planted), notes,
+        excluded, opinion, tuple(warnings), at_rest_pairs(chords, motion), foot_slide(chords, motion, planted), notes,
         tuple(pair if depth > OVERLAP else None for pair, depth in zip(judged.pair, depths, strict=True)),
     )
 

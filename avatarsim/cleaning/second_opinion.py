@@ -36,9 +36,9 @@ def opinion_of(scene: Scene, motion: Motion) -> tuple[Opinion | None, str]:
         import coal  # noqa: F401
     except ImportError:
         return None, "no second opinion: the package coal is not installed (pip install 'avatarsim[compare]')"
-    asked = Asked(scene)
-    frames = asked.depths(motion)
-    finer = asked.depths(between_frames(motion)) if len(motion) > 1 else np.zeros(0)
+    coal_scene = CoalScene(scene)
+    frames = coal_scene.depths(motion)
+    finer = coal_scene.depths(between_frames(motion)) if len(motion) > 1 else np.zeros(0)
     return Opinion(
         "coal", len(frames), int(np.sum(~(frames <= OVERLAP))), float(frames.max()), len(finer), int(np.sum(~(finer <= OVERLAP))),
         float(finer.max(initial=0.0)),
@@ -62,7 +62,7 @@ def between_frames(motion: Motion) -> Motion:
     return Motion(on_line(motion.times), on_line(motion.positions), turned, on_line(motion.angles))
 
 
-class Asked:
+class CoalScene:
     """The pieces of a scene as coal objects."""
 
     def __init__(self, scene: Scene) -> None:

@@ -28,7 +28,7 @@ def free_posture(chords: Chords, sample: TrackerSample, margin: float) -> Tracke
         if search.nearest(target, gap, True):
             found = chords.clipped(shown_sample(world, sample.time))[0]
             if chords.nearest(found, margin)[0] > 0.0:
-                return chords.with_given(found, sample)
+                return chords.with_moving_bodies(found, sample)
     depth, pair = chords.nearest(clipped, margin)
     raise StartOverlaps([(*(pair or ("", "")), -depth)])
 

@@ -152,7 +152,7 @@ class Follower:
                     self._level, self._since = level, 0.0
                 self.shown = tried[-1]
                 return Kind.TRACKED
-        return self._hold_back(tried, after)
+        return self._write_partial_motion(tried, after)
 
     def _engine(self, level: int, user: TrackerSample) -> AvatarsimEngine:
         """Return the engine that keeps the gap of a level, with the avatar at its shown posture and the user at `user`."""
@@ -182,7 +182,7 @@ class Follower:
         links, hinges = len(self._avatar.links), self._avatar.hinge_count
         return TrackerSample(sample.time, sample.positions[:links], sample.rotations[:links], sample.angles[:hinges])
 
-    def _whole(self, own: TrackerSample, other: TrackerSample) -> TrackerSample:
+    def _with_carried(self, own: TrackerSample, other: TrackerSample) -> TrackerSample:
         """Return a posture of the avatar, with carried bodies at their poses in `other`."""
         if not self._carried:
             return own
@@ -220,7 +220,7 @@ class Follower:
                 if self._weights is not None:
                     engine.weigh_links(self._weights.at(user.time))
                 engine.advance(self._own(user), duration / count)
-                tried.append(self._whole(engine.posture(), after))
+                tried.append(self._with_carried(engine.posture(), after))
         except StartOverlaps:
             self._at = -1
             return []
@@ -229,7 +229,7 @@ class Follower:
     def _reaches(self, sample: TrackerSample) -> bool:
         return self.chords.free_until(self.shown, sample)[0] >= 1.0
 
-    def _hold_back(self, tried: list[TrackerSample], user: TrackerSample) -> Kind:
+    def _write_partial_motion(self, tried: list[TrackerSample], user: TrackerSample) -> Kind:
         """Write the last of the engine's sub-states that is reached by a free motion, or a part of the motion to the first."""
         if self._carried:
             return self._give_way(tried, user)
@@ -255,7 +255,7 @@ class Follower:
     def _give_way(self, tried: list[TrackerSample], user: TrackerSample) -> Kind:
         """Hold back where carried bodies have moved on, so that the last posture may no longer be free.
         In that case a free posture is written without a proved motion to it."""
-        self._at, shown = -1, self._whole(self._own(self.shown), user)
+        self._at, shown = -1, self._with_carried(self._own(self.shown), user)
         parts = [self.chords.clipped(between(shown, one, share))[0] for one in (tried[0] if tried else shown,) for share in PARTS]
         for sample in (*tried[-2::-1], *parts):
             if self._reaches(sample):
@@ -287,14 +287,14 @@ class Written:
         if kind is not Kind.INPUT:
             self.positions[frame], self.rotations[frame], self.angles[frame] = sample.positions, sample.rotations, sample.angles
 
-    def take(self, other: "Written", first: int, last: int) -> None:
+    def copy_frames(self, other: "Written", first: int, last: int) -> None:
         """Copy frames first .. last from another one."""
         some = slice(first, last + 1)
-        for mine, theirs in (
+        for target, source in (
             (self.positions, other.positions), (self.rotations, other.rotations), (self.angles, other.angles),
             (self.kind, other.kind),
         ):
-            mine[some] = theirs[some]
+            target[some] = source[some]
 
     @property
     def motion(self) -> Motion:

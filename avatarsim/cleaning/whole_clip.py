@@ -79,7 +79,7 @@ def clean_motion(
 
 
 def clean_recorded(
-    chords: Chords, motion: Motion, options: Options, tell: Callable[[float], None], carried: Sequence[Carried]
+    chords: Chords, motion: Motion, options: Options, progress: Callable[[float], None], carried: Sequence[Carried]
 ) -> Cleaned:
     """Clean a motion of which every frame was recorded."""
     judged = Judged(chords, motion, options.margin)
@@ -87,13 +87,13 @@ def clean_recorded(
     notes = (ground.note,) if ground.is_off else ()
     planted = planted_feet(chords, motion)
     before = audited(chords, motion, judged, judged.is_free, planted, options.opinion, notes)
-    tell(0.1)
+    progress(0.1)
     is_off = ground.is_off and not carried
     heights = [ground.usual, 0.0] if is_off and options.ground else [0.0]
     best = Followed(Written(motion), inf)
     for n, height in enumerate(heights):
         planting = Planting.of(chords, raised(motion, chords, height), judged.is_free, options)
-        steps = partial(_part_of_way, tell, n, len(heights))
+        steps = partial(_part_of_way, progress, n, len(heights))
         best = min(best, best_written(planting, judged, steps), key=lambda one: one.excess)
         if best.excess <= 1.0:
             break
@@ -103,16 +103,16 @@ def clean_recorded(
     written.rotations = rotation.with_signs_of(written.rotations, motion.rotations, written.kind == Kind.INPUT)
     done = written.motion
     after = audited(chords, done, Judged(chords, done, options.margin), judged.is_free, planted, options.opinion)
-    tell(1.0)
+    progress(1.0)
     return Cleaned(
         of_avatar(done, chords.scene.avatars[0]), before, after, moved(chords, motion, done), written.kind != Kind.INPUT,
         ~judged.is_free, flags(motion, judged, written.kind),
     )
 
 
-def _part_of_way(tell: Callable[[float], None], n: int, parts: int, share: float) -> None:
+def _part_of_way(progress: Callable[[float], None], n: int, parts: int, share: float) -> None:
     """Report the finished share of the whole, given that of part n of the search for a result."""
-    tell(0.1 + 0.8 * (n + share) / parts)
+    progress(0.1 + 0.8 * (n + share) / parts)
 
 
 def constant_lift(chords: Chords, motion: Motion, ground: Ground, margin: float) -> Written | None:
@@ -132,7 +132,7 @@ class Followed(NamedTuple):
     excess: float
 
 
-def best_written(planting: Planting, judged: Judged, tell: Callable[[float], None]) -> Followed:
+def best_written(planting: Planting, judged: Judged, progress: Callable[[float], None]) -> Followed:
     """Follow each aim in turn until planted feet and jerk are within bounds, and return the result nearest to them."""
     chords, motion, options = planting.chords, planting.motion, planting.options
     best = Followed(Written(motion), inf)
@@ -141,7 +141,7 @@ def best_written(planting: Planting, judged: Judged, tell: Callable[[float], Non
         follower = tracked(chords, aim, judged, options, planting.weights(), written)
         Smoothing(chords, follower, motion, written, judged.is_free, options, planting).improve()
         best = min(best, Followed(written, planting.excess(written.motion)), key=lambda one: one.excess)
-        tell((n + 1.0) / len(RESPONSES))
+        progress((n + 1.0) / len(RESPONSES))
         if best.excess <= 1.0:
             break
     return best
