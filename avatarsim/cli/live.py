@@ -23,7 +23,7 @@ from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.live.messages import RATES, Plan
 from avatarsim.live.ports.admission import as_address
 from avatarsim.live.ports.server import HIGHEST_PORT, Ports
-from avatarsim.live.recording import OURS
+from avatarsim.live.recording import ENGINE
 from avatarsim.live.session import LoopDied, Session
 from avatarsim.live.show import require_page
 from avatarsim.live.stages import Stage, stage
@@ -151,7 +151,7 @@ def drive(
 
     rate = within("--rate", args.rate, *RATES, InvalidInput)
     seconds = None if args.seconds is None else within("--seconds", args.seconds, 0.0, 1e6, InvalidInput)
-    own_plan = Plan(OURS, chosen.scene, Settings(preset=args.method, time_stages=True), rate)
+    own_plan = Plan(ENGINE, chosen.scene, Settings(preset=args.method, time_stages=True), rate)
     require_place(args.listen, args.port)
     for name, port in (("--ws", args.ws), ("--udp", args.udp)):
         if port is not None and not 0 <= port <= HIGHEST_PORT:

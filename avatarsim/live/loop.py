@@ -173,7 +173,7 @@ class Loop:
             return self._saved()
         else:
             refused = self._applied(command)
-            return refused, self.world.told
+            return refused, self.world.report
         return "", ""
 
     def _applied(self, command: Command) -> str:

@@ -102,14 +102,14 @@ class Command:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """Result of a command: `refused` is empty or the reason of a refusal, `frame` the last frame before it, `told` the requested
+    """Result of a command: `refused` is empty or the reason of a refusal, `frame` the last frame before it, `text` the requested
     text: for SAVE the path of the log, for TAKE the bodies that were taken or released."""
 
     number: int
     order: Order
     frame: int
     refused: str = ""
-    told: str = ""
+    text: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,8 +32,8 @@ class World:
     def __init__(self, plan: Plan, make: Callable[[], Engine] = AvatarsimEngine) -> None:
         within("frames a second of a loop [1/s]", plan.rate, *RATES, InvalidInput)
         self.plan, self._make, self.dt = plan, make, 1.0 / plan.rate
-        self.scene, self.settings, self._kept = narrowed(plan.scene, plan.scene, plan.off), plan.settings, b""
-        self.told, self.pinches, self._pinched, self._kept_pinched = "", False, set[str](), set[str]()
+        self.scene, self.settings, self._saved = narrowed(plan.scene, plan.scene, plan.off), plan.settings, b""
+        self.report, self.pinches, self._pinched, self._saved_pinched = "", False, set[str](), set[str]()
         self.engine = make()
         self.shown: FrameRecord = self.engine.load(self.scene, self.settings, self.dt)
 
@@ -55,20 +55,20 @@ class World:
         return self.shown
 
     def apply(self, command: Command) -> str:
-        """Apply a command. Return "", or the reason of a refusal; `told` holds the command's report. Commands for pauses, logs
+        """Apply a command. Return "", or the reason of a refusal; `report` holds the command's report. Commands for pauses, logs
         and STOP belong to the loop: they change no frame and do nothing here."""
-        self.told = ""
+        self.report = ""
         try:
             if command.order is Order.RESET:
                 self._reset()
             elif command.order is Order.KEEP:
-                self._kept, self._kept_pinched = self._ours("to keep a state of").snapshot(), set(self._pinched)
+                self._saved, self._saved_pinched = self._require_avatarsim("to keep a state of").snapshot(), set(self._pinched)
             elif command.order is Order.BACK:
                 self._back()
             elif command.order is Order.TAKE:
-                self.told = self._take(self._ours("to take things with"))
+                self.report = self._attach_or_release(self._require_avatarsim("to take things with"))
             elif command.order is Order.PINCH:
-                self._pinch(self._ours("to pinch things with"), command.value is True)
+                self._pinch(self._require_avatarsim("to pinch things with"), command.value is True)
                 self.pinches = command.value is True
             elif command.order is Order.SWITCH:
                 self._switch(command.value)
@@ -76,21 +76,21 @@ class World:
             return str(error)
         return ""
 
-    def _ours(self, what: str) -> AvatarsimEngine:
+    def _require_avatarsim(self, what: str) -> AvatarsimEngine:
         if not isinstance(self.engine, AvatarsimEngine):
             raise InvalidInput(f"engine {what}", self.plan.name, COMING_BACK)
         return self.engine
 
-    def _take(self, engine: AvatarsimEngine) -> str:
+    def _attach_or_release(self, engine: AvatarsimEngine) -> str:
         """Release all bodies attached to the first avatar or, without any, attach those in contact with it; return a report."""
         avatar, attached = self.scene.avatars[0], engine.attached()
         first = len(self.scene.bodies)
         links = self.scene.names[first : first + len(avatar.links)]
-        if held := [body for body, link in attached.items() if link in links]:
-            for body in held:
+        if attached_bodies := [body for body, link in attached.items() if link in links]:
+            for body in attached_bodies:
                 engine.detach(body)
             self._pinched.clear()
-            return f"let go of {', '.join(held)}"
+            return f"let go of {', '.join(attached_bodies)}"
         loose = {body.name for body in self.scene.bodies if body.role is Role.SIMULATED} - set(attached)
         touched: dict[str, str] = {}
         for contact in engine.contacts():
@@ -113,12 +113,12 @@ class World:
 
     def _reset(self) -> None:
         scene = replace(self.plan.scene, narrow=self.scene.narrow)
-        self.shown, self._kept = self._loaded(scene, self.settings), b""
+        self.shown, self._saved = self._loaded(scene, self.settings), b""
 
     def _back(self) -> None:
-        engine = self._ours("to come back to a state of")
-        if self._kept:
-            self.shown, self._pinched = engine.restore(self._kept), set(self._kept_pinched)
+        engine = self._require_avatarsim("to come back to a state of")
+        if self._saved:
+            self.shown, self._pinched = engine.restore(self._saved), set(self._saved_pinched)
         else:
             self._reset()
 
@@ -137,7 +137,7 @@ class World:
             attached = tuple(self.engine.attached().items()) if isinstance(self.engine, AvatarsimEngine) else ()
             self.shown = self._loaded(replace(scene_at(scene, self.shown), attached=attached), settings)
         # a snapshot is of one scene and one set of settings
-        self._kept = b""
+        self._saved = b""
 
     def _loaded(self, scene: Scene, settings: Settings) -> FrameRecord:
         """Load a scene into a fresh engine and return its first record; the old engine is closed after the new one has loaded."""

@@ -50,9 +50,9 @@ DIGEST = 8
 HASH = re.compile(f"[0-9a-f]{{{2 * DIGEST}}}")
 """A state's hash in hexadecimal digits."""
 VALID = "a recording of avatarsim live"
-OURS = "avatarsim.simulator:AvatarsimEngine"
+ENGINE = "avatarsim.simulator:AvatarsimEngine"
 """The one engine whose recordings replay to the same bits, and the only one that a file may name."""
-KEPT = (Order.KEEP, Order.BACK, Order.TAKE, Order.PINCH, Order.SWITCH)
+RECORDED_ORDERS = (Order.KEEP, Order.BACK, Order.TAKE, Order.PINCH, Order.SWITCH)
 """Orders that are recorded: those that change later frames. A reset begins another file."""
 
 
@@ -106,7 +106,7 @@ class Recorder:
 
     def command(self, command: Command) -> None:
         """Append a command that comes before the next frame."""
-        if command.order in KEPT:
+        if command.order in RECORDED_ORDERS:
             self._row(COMMAND, json.dumps(_order(command)).encode())
 
     def _row(self, kind: int, payload: bytes) -> None:
@@ -174,9 +174,9 @@ def read(path: Path) -> Recorded:
     head, at = data[at: at + length], at + length
     if len(data) < at + SUM.size or SUM.unpack_from(data, at)[0] != zlib.crc32(head):
         raise InvalidFile(f"head of {thing}", f"{len(head)} bytes", "bytes that agree with their CRC-32")
-    plan, first_hash, said = _plan(_parsed(head, f"head of {thing}"), thing)
+    plan, first_hash, stated = _plan(_parsed(head, f"head of {thing}"), thing)
     rows, is_torn = _rows(data, at + SUM.size, plan.scene, thing)
-    return Recorded(plan, first_hash, rows, said, is_torn)
+    return Recorded(plan, first_hash, rows, stated, is_torn)
 
 
 def _parsed(data: bytes, thing: str) -> dict[str, Any]:
@@ -202,8 +202,8 @@ def _plan(head: dict[str, Any], thing: str) -> tuple[Plan, str, dict[str, str]]:
     for name, kind in kinds.items():
         if not isinstance(head.get(name), kind) or isinstance(head[name], bool):
             raise InvalidFile(f"{name} in the head of {thing}", head.get(name), f"a {kind.__name__}")
-    if head["engine"] != OURS:
-        raise InvalidFile(f"engine of {thing}", head["engine"], f"{OURS}, whose recordings alone replay to the same bits")
+    if head["engine"] != ENGINE:
+        raise InvalidFile(f"engine of {thing}", head["engine"], f"{ENGINE}, whose recordings alone replay to the same bits")
     try:
         settings = Settings(head["preset"], head["options"], head["seed"])
         rate = within(f"rate of {thing} [1/s]", head["rate"], *RATES, InvalidInput)
@@ -220,10 +220,10 @@ def _plan(head: dict[str, Any], thing: str) -> tuple[Plan, str, dict[str, str]]:
         raise InvalidFile(f"links of {thing}", len(scene.links), f"up to {LINKS}")
     if not HASH.fullmatch(head["first_hash"]):
         raise InvalidFile(f"first hash of {thing}", head["first_hash"], f"{2 * DIGEST} hexadecimal digits")
-    said = {require_name(f"version in {thing}", name): require_name(f"version of {name} in {thing}", str(value))
+    stated = {require_name(f"version in {thing}", name): require_name(f"version of {name} in {thing}", str(value))
             for name, value in head["versions"].items()}
     off = _names(head["off"], f"effects that are off in {thing}")
-    return Plan(OURS, scene, settings, rate, name=head["name"], off=off), head["first_hash"], said
+    return Plan(ENGINE, scene, settings, rate, name=head["name"], off=off), head["first_hash"], stated
 
 
 def _rows(data: bytes, at: int, scene: Scene, thing: str) -> tuple[tuple[Frame | Command, ...], bool]:
@@ -269,27 +269,27 @@ def _frame(payload: bytes, scene: Scene, place: str) -> Frame:
 
 def _order(command: Command) -> dict[str, Any]:
     """Return a command as JSON."""
-    said: dict[str, Any] = {"order": command.order.name}
+    values: dict[str, Any] = {"order": command.order.name}
     if command.order is Order.PINCH:
-        said["on"] = command.value is True
+        values["on"] = command.value is True
     if isinstance(command.value, Switch):
-        said |= {"off": list(command.value.off), "preset": command.value.preset, "options": _options(command.value.options)}
-    return said
+        values |= {"off": list(command.value.off), "preset": command.value.preset, "options": _options(command.value.options)}
+    return values
 
 
 def _command(payload: bytes, place: str) -> Command:
-    said = _parsed(payload, place)
-    known = [order.name for order in KEPT]
-    if said.get("order") not in known:
-        raise InvalidFile(f"order of {place}", said.get("order"), "one of " + ", ".join(known))
-    order = Order[said["order"]]
+    values = _parsed(payload, place)
+    known = [order.name for order in RECORDED_ORDERS]
+    if values.get("order") not in known:
+        raise InvalidFile(f"order of {place}", values.get("order"), "one of " + ", ".join(known))
+    order = Order[values["order"]]
     if order is Order.PINCH:
-        if not isinstance(said.get("on"), bool):
-            raise InvalidFile(f"switch of {place}", said.get("on"), "true or false")
-        return Command(order, said["on"])
+        if not isinstance(values.get("on"), bool):
+            raise InvalidFile(f"switch of {place}", values.get("on"), "true or false")
+        return Command(order, values["on"])
     if order is not Order.SWITCH:
         return Command(order)
-    off, preset, options = said.get("off"), said.get("preset"), said.get("options")
+    off, preset, options = values.get("off"), values.get("preset"), values.get("options")
     names = _names(off, f"effects of {place}")
     if not isinstance(preset, str) or not isinstance(options, dict):
         raise InvalidFile(f"settings of {place}", (preset, options), "the name of a preset and an object of options")

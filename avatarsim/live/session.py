@@ -46,13 +46,13 @@ class Driven:
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
         self._channel, other = pair()
-        self._orders, theirs = multiprocessing.get_context("spawn").Pipe()
+        self._orders, loop_end = multiprocessing.get_context("spawn").Pipe()
         self._process = multiprocessing.get_context("spawn").Process(
-            target=run, args=(plan, other, theirs), name=f"avatarsim live: {plan.name}", daemon=True
+            target=run, args=(plan, other, loop_end), name=f"avatarsim live: {plan.name}", daemon=True
         )
         self._process.start()
         other.close()
-        theirs.close()
+        loop_end.close()
         self.window = Window(plan.rate)
         self.state: State | None = None
         self.touching: Touching | None = None
@@ -72,12 +72,12 @@ class Driven:
 
     def look(self) -> State | None:
         """Take all states that have arrived and return the newest."""
-        for told in self._channel.drain():
-            if isinstance(told, Touching):
-                self.touching = told
+        for message in self._channel.drain():
+            if isinstance(message, Touching):
+                self.touching = message
             else:
-                self.window.add(told)
-                self.state = told
+                self.window.add(message)
+                self.state = message
         return self.state
 
     @property
@@ -232,7 +232,7 @@ class Session:
         if answer.refused:
             raise InvalidFile("recording", str(path), answer.refused)
         try:
-            write_atomically(path, Path(answer.told).read_bytes())
+            write_atomically(path, Path(answer.text).read_bytes())
         except OSError as error:
             raise InvalidFile("recording", str(path), f"a place that takes a file ({error.strerror})") from error
 

@@ -25,7 +25,7 @@ FOLLOWS = 0.85
 
 
 @dataclass(frozen=True, eq=False)
-class Drawn:
+class BodyMesh:
     """A body: its role ("fixed", "furniture", "simulated" or "driven"), its surface, and that of the shapes tested for overlap
     where it differs. Equal surfaces are stored once."""
 
@@ -72,7 +72,7 @@ class View:
 
 
 def payload(
-    bodies: Sequence[Drawn], still: Mapping[int, tuple[Array, Array]], times: Array, views: Sequence[View], leader: int,
+    bodies: Sequence[BodyMesh], still: Mapping[int, tuple[Array, Array]], times: Array, views: Sequence[View], leader: int,
     ghost: tuple[str, Sequence[int], Poses] | None, azimuth: Callable[[Array, float], float], **more: object,
 ) -> dict[str, Any]:
     """Return the data of the player, ready for JSON.
@@ -93,7 +93,7 @@ def payload(
     def mesh(of: Surface) -> int:
         return shapes.setdefault((of[0].tobytes(), of[1].tobytes()), (len(shapes), of))[0]
 
-    drawn = [
+    body_entries = [
         {"role": body.role, "mesh": mesh(body.surface), **({} if body.tested is None else {"tested": mesh(body.tested)})}
         for body in bodies
     ]
@@ -109,13 +109,13 @@ def payload(
     return {
         "times": [float(f"{time:.7g}") for time in times], "low": box[0].tolist(), "high": box[1].tolist(),
         "meshes": [_mesh(*of) for _, of in shapes.values()],
-        "bodies": drawn,
+        "bodies": body_entries,
         "still": [{"body": k, "place": place.tolist(), "turn": turn.tolist()} for k, (place, turn) in still.items()],
         "moving": moving,
-        "ghost": None if ghost is None else {"name": ghost[0], "bodies": list(ghost[1]), **_packed(ghost[2], box)},
+        "ghost": None if ghost is None else {"name": ghost[0], "bodies": list(ghost[1]), **_encoded(ghost[2], box)},
         "views": [
             {
-                "label": view.label, "colour": view.colour, **_packed(view.poses, box),
+                "label": view.label, "colour": view.colour, **_encoded(view.poses, box),
                 "captions": view.captions, "pairs": view.pairs, "moments": [vars(moment) for moment in view.moments],
             }
             for view in views
@@ -132,9 +132,9 @@ def payload(
 def _mesh(points: Array, faces: NDArray[np.int64]) -> dict[str, object]:
     """Return a mesh as text, its corners to 1e-5 of its size."""
     low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3), np.zeros(3))
-    whole = np.uint16 if len(points) <= 1 << 16 else np.uint32
+    index = np.uint16 if len(points) <= 1 << 16 else np.uint32
     return {
-        "low": low.tolist(), "high": high.tolist(), "corners": text(codes(points, low, high)), "faces": text(faces.astype(whole)),
+        "low": low.tolist(), "high": high.tolist(), "corners": text(codes(points, low, high)), "faces": text(faces.astype(index)),
     }
 
 
@@ -155,10 +155,10 @@ def _near(positions: Array, reach: Sequence[float]) -> float:
     return float(np.percentile(apart.max(axis=1), 95.0))
 
 
-def _packed(poses: Poses, box: tuple[Array, Array]) -> dict[str, object]:
+def _encoded(poses: Poses, box: tuple[Array, Array]) -> dict[str, object]:
     """Return poses as text, each part of a quaternion to 3e-5; a body without an orientation has no place either."""
-    whole = np.isfinite(poses.orientations).all(axis=-1, keepdims=True)
-    places = codes(np.where(whole, poses.positions, np.nan), *box)
+    is_finite = np.isfinite(poses.orientations).all(axis=-1, keepdims=True)
+    places = codes(np.where(is_finite, poses.positions, np.nan), *box)
     turns = np.rint(np.clip(np.nan_to_num(poses.orientations), -1.0, 1.0) * 32767.0).astype(np.int16)
     return {"states": len(poses.positions), "places": text(places), "turns": text(turns)}
 

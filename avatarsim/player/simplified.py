@@ -22,7 +22,7 @@ HASTE = 5.0
 meshes stay finer than the page allows."""
 
 
-def drawn(visuals: Mapping[str, Sequence[Visual]], names: Iterable[str], most: int = TRIANGLES) -> dict[str, Surface]:
+def visual_surfaces(visuals: Mapping[str, Sequence[Visual]], names: Iterable[str], most: int = TRIANGLES) -> dict[str, Surface]:
     """Return the surfaces of those visuals that ``names`` have, with meshes of at most ``most`` triangles together."""
     chosen = {name: visuals[name] for name in names if name in visuals}
     parts = [part for own in chosen.values() for part in own]

@@ -14,7 +14,7 @@ from avatarsim.engine import Settings
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.messages import Command, Order, Plan
 from avatarsim.live.orders import World
-from avatarsim.live.recording import OURS, Recorder
+from avatarsim.live.recording import ENGINE, Recorder
 from avatarsim.live.show import recording_page
 from avatarsim.live.stages import stage
 from avatarsim.scene.checks import Vector
@@ -33,7 +33,7 @@ class Drive:
     """A stage that a script drives, and its recording at `path`."""
 
     def __init__(self, name: str, path: Path) -> None:
-        self._world = World(Plan(OURS, stage(name).scene, Settings(), RATE))
+        self._world = World(Plan(ENGINE, stage(name).scene, Settings(), RATE))
         self._driver = Driver(self._world.scene)
         self.log = Recorder(path, self._world.plan, self._world.shown.state_hash())
 

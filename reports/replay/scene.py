@@ -54,7 +54,7 @@ def replay(
     links = list(range(len(scene.bodies) - count, len(scene.bodies)))
     step = stride([len(one.times) for one in engines] + [len(main.times)] * bool(count), max(1, len(moving)))
     shapes = {body["pieces"]: surfaces.surface(body["pieces"]) for body in scene.bodies}
-    bodies = [payload.Drawn(body["role"], shapes[body["pieces"]]) for body in scene.bodies]
+    bodies = [payload.BodyMesh(body["role"], shapes[body["pieces"]]) for body in scene.bodies]
     names = scene.names_of_links(count)
     worst = {one.run: moments(one, judged.get(one.run), names) for one in engines}
     ghost = payload.Poses(main.raw_positions[::step], main.raw_orientations[::step])

@@ -6,7 +6,7 @@ import numpy as np
 
 from avatarsim.engine import Settings
 from avatarsim.live.messages import Plan
-from avatarsim.live.recording import OURS
+from avatarsim.live.recording import ENGINE
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.joint import Free, Hinge, Hinges
@@ -49,4 +49,4 @@ def pushed(frame: int) -> TrackerSample:
 
 def plan(logs: str = "", preset: str = "default") -> Plan:
     """Return a plan for AvatarsimEngine on this scene."""
-    return Plan(OURS, scene(), Settings(preset=preset), RATE, logs)
+    return Plan(ENGINE, scene(), Settings(preset=preset), RATE, logs)

@@ -12,7 +12,7 @@ from avatarsim.engine import Settings
 from avatarsim.errors import InvalidFile, InvalidInput, InvalidSample
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.messages import Order, Plan, State, Switch
-from avatarsim.live.recording import OURS, read
+from avatarsim.live.recording import ENGINE, read
 from avatarsim.live.replaying import replay
 from avatarsim.live.session import LoopDied, LoopRefused, Session
 from avatarsim.live.stages import stage
@@ -141,7 +141,7 @@ def test_sessions_without_plans_or_with_a_name_twice_are_refused() -> None:
 def test_a_mug_in_the_house_is_dragged_to_taken_and_lifted() -> None:
     scene, (hand, mug) = stage("house").scene, ("human/right_hand", "mug")
     driver, at, end = Driver(scene), scene.names.index(mug), time.monotonic() + PATIENCE
-    with Session([Plan(OURS, scene, Settings(), RATE)]) as one:
+    with Session([Plan(ENGINE, scene, Settings(), RATE)]) as one:
         first = until(one, 1).positions[at]
 
         def pull(place: np.ndarray, is_there: Callable[[State], bool]) -> State:
@@ -153,7 +153,7 @@ def test_a_mug_in_the_house_is_dragged_to_taken_and_lifted() -> None:
 
         wrist = scene.names.index(hand)
         pull(first + (-0.08, 0.0, 0.05), lambda state: float(np.linalg.norm(state.positions[wrist] - first)) < 0.11)
-        while one.command(Order.TAKE)["avatarsim"].told != "took mug" and time.monotonic() < end:
+        while one.command(Order.TAKE)["avatarsim"].text != "took mug" and time.monotonic() < end:
             one.send(driver.tick(1.0 / RATE))
         lifted = pull(first + (-0.2, 0.05, 0.4), lambda state: bool(state.positions[at][2] > first[2] + 0.3))
         assert lifted.positions[at][2] > first[2] + 0.3

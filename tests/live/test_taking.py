@@ -12,7 +12,7 @@ from avatarsim.live.drive.keys import KEYS
 from avatarsim.live.messages import Command, Order, Plan, Switch
 from avatarsim.live.orders import World
 from avatarsim.live.ports.protocol import Shape, parse
-from avatarsim.live.recording import OURS, Recorder, read
+from avatarsim.live.recording import ENGINE, Recorder, read
 from avatarsim.live.replaying import replay
 from avatarsim.live.stages import stage
 from avatarsim.scene.body import Role
@@ -27,7 +27,7 @@ DT = 1.0 / 60.0
 def on_stage(name: str) -> tuple[World, Driver]:
     """Return the world of a built-in stage and its driver."""
     scene = stage(name).scene
-    return World(Plan(OURS, scene, Settings(), 60.0)), Driver(scene)
+    return World(Plan(ENGINE, scene, Settings(), 60.0)), Driver(scene)
 
 
 def deepest(world: World, shown: list[Snapshot]) -> float:
@@ -47,12 +47,12 @@ def test_a_mug_is_taken_by_a_key_carried_and_let_go() -> None:
     for _ in range(60):
         driver.drag("hand/palm", at + (-0.09, 0.0, 0.06))
         world.advance(driver.tick(DT))
-    assert world.apply(Command(Order.TAKE)) == "" and world.told == "took mug"
+    assert world.apply(Command(Order.TAKE)) == "" and world.report == "took mug"
     for _ in range(60):
         driver.drag("hand/palm", at + (-0.1, 0.0, 0.3))
         world.advance(driver.tick(DT))
     assert place_of(world, "mug")[2] > at[2] + 0.15
-    assert world.apply(Command(Order.TAKE)) == "" and world.told == "let go of mug"
+    assert world.apply(Command(Order.TAKE)) == "" and world.report == "let go of mug"
     for _ in range(60):
         world.advance(driver.tick(DT))
     assert place_of(world, "mug")[2] < at[2] + 0.05
@@ -64,7 +64,7 @@ def pinching() -> tuple[World, list[TrackerSample]]:
     scene = scenario.build()
     motion = scenario.motion(scene, 0)
     closing = [motion(frame) for frame in range(40)]
-    return World(Plan(OURS, scene, Settings(), 60.0)), [*closing, *reversed(closing)]
+    return World(Plan(ENGINE, scene, Settings(), 60.0)), [*closing, *reversed(closing)]
 
 
 def test_what_is_pinched_is_attached_until_the_fingers_open() -> None:
@@ -179,7 +179,7 @@ def test_a_human_carries_a_box_through_the_door() -> None:
         driver.release(link)
 
     drag("human/right_hand", (-1.05, -0.8, 0.95), 150)
-    assert world.apply(Command(Order.TAKE)) == "" and world.told == "took box"
+    assert world.apply(Command(Order.TAKE)) == "" and world.report == "took box"
     drag("human/right_hand", (-1.3, -0.4, 1.25), 90)
     drag("human/pelvis", (-1.6, 0.0, 1.0), 120)
     for frame in range(360):

@@ -20,7 +20,7 @@ from avatarsim.engine import Settings, Snapshot
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.drive.keys import KEYS
 from avatarsim.live.messages import Order, Plan, State
-from avatarsim.live.recording import OURS, read
+from avatarsim.live.recording import ENGINE, read
 from avatarsim.live.replaying import replay
 from avatarsim.live.session import Session
 from avatarsim.live.stages import stage
@@ -57,7 +57,7 @@ class Running:
 
     def __init__(self, name: str, folder: Path, dark: bool = False, offered: Sequence[Plan] = ()) -> None:
         found = stage(name)
-        self.session = Session([Plan(OURS, found.scene, Settings(time_stages=True), 60.0)])
+        self.session = Session([Plan(ENGINE, found.scene, Settings(time_stages=True), 60.0)])
         shows = Shows(found, {}, own_depth(found.scene), port=0, dark=dark, folder=folder, offered=offered)
         self.page = Page(self.session, Driver(found.scene), shows)
         self._is_over = False

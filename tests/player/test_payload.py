@@ -5,7 +5,7 @@ import base64
 import numpy as np
 import pytest
 
-from avatarsim.player.payload import LEAST, MISSING, MOST, Drawn, Poses, View, codes, payload, text
+from avatarsim.player.payload import LEAST, MISSING, MOST, BodyMesh, Poses, View, codes, payload, text
 from avatarsim.player.surfaces import surface
 from avatarsim.scene.shape import Piece, Sphere
 
@@ -28,7 +28,7 @@ def test_equal_bodies_share_a_mesh() -> None:
     """A pose that is none has no place."""
     ball, upright = surface((Piece(Sphere(0.1)),)), np.array([1.0, 0.0, 0.0, 0.0])
     alike, large = surface((Piece(Sphere(0.1)),)), surface((Piece(Sphere(2.0)),))
-    bodies = [Drawn("driven", ball), Drawn("simulated", alike, large), Drawn("fixed", large)]
+    bodies = [BodyMesh("driven", ball), BodyMesh("simulated", alike, large), BodyMesh("fixed", large)]
     turns = np.tile(upright, (3, 2, 1))
     turns[2, 1] = np.nan
     view = View("a", "red", Poses(np.ones((3, 2, 3)), turns))

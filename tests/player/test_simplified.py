@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from avatarsim.player.simplified import creased, drawn, simplified
+from avatarsim.player.simplified import creased, simplified, visual_surfaces
 from avatarsim.player.surfaces import Surface
 from avatarsim.scene.shape import Box, Piece
 from tests.assets.meshes.solids import cube, torus
@@ -45,6 +45,6 @@ def test_vertices_are_shared_across_edges_that_look_round_alone() -> None:
 
 def test_named_visuals_are_drawn_as_primitives_and_meshes() -> None:
     box = Piece(Box((1.0, 1.0, 1.0)), (5.0, 0.0, 0.0))
-    found = drawn({"a": (cube(), box), "b": (box,), "c": (cube(),)}, ["a", "b", "other"])
+    found = visual_surfaces({"a": (cube(), box), "b": (box,), "c": (cube(),)}, ["a", "b", "other"])
     assert {name: len(triangles) for name, (_, triangles) in found.items()} == {"a": 24, "b": 12}
     assert found["a"][0].max(axis=0) == pytest.approx((5.5, 1.0, 1.0))

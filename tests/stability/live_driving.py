@@ -33,7 +33,7 @@ from avatarsim.live.drive.keys import KEYS
 from avatarsim.live.messages import Order, Plan
 from avatarsim.live.ports.refusals import Refusals
 from avatarsim.live.ports.server import Ports
-from avatarsim.live.recording import OURS, read
+from avatarsim.live.recording import ENGINE, read
 from avatarsim.live.replaying import replay
 from avatarsim.live.session import Session
 from avatarsim.live.stages import stage
@@ -126,7 +126,7 @@ def driven(asked: argparse.Namespace, folder: Path) -> dict[str, float]:
     """Drive for the requested time; return the figures."""
     found, states, memory = stage(asked.scene), dict[int, Numbers](), list[float]()
     with ExitStack() as stack:
-        session = stack.enter_context(Session([Plan(OURS, found.scene, Settings(time_stages=True), asked.rate)]))
+        session = stack.enter_context(Session([Plan(ENGINE, found.scene, Settings(time_stages=True), asked.rate)]))
         page = Page(session, Driver(found.scene), Shows(found, {}, own_depth(found.scene), port=0))
         stack.callback(page.close)
         is_over = threading.Event()

@@ -15,7 +15,7 @@ from avatarsim.cleaning import Audit, Flagged
 from avatarsim.cleaning.result import OVERLAP
 from avatarsim.clips.page.layout import address, angle, data, esc, length, limit_excess, page, resource, table
 from avatarsim.player import payload, surfaces, three_js
-from avatarsim.player.simplified import ROOM_TRIANGLES, drawn
+from avatarsim.player.simplified import ROOM_TRIANGLES, visual_surfaces
 from avatarsim.scene.body import Body
 from avatarsim.scene.carried import Carried, joined
 from avatarsim.scene.motion import Motion
@@ -244,10 +244,10 @@ def replay(name: str, shown: Shown, moments: Sequence[payload.Moment]) -> dict[s
     avatars = (avatar, *(one.body for one in shown.carried))
     names, links = [name for one in avatars for name in one.link_names], [link for one in avatars for link in one.links]
     most = _corners(sum(len(link.pieces) for link in links))
-    seen = drawn(shown.model.visuals, names)
+    seen = visual_surfaces(shown.model.visuals, names)
     hulls = [surfaces.surface(link.pieces, most) for link in links]
     parts = [
-        payload.Drawn("driven", seen.get(name, hull), hull if name in seen else None)
+        payload.BodyMesh("driven", seen.get(name, hull), hull if name in seen else None)
         for name, hull in zip(names, hulls, strict=True)
     ]
     moving = [k for k, part in enumerate(parts) if len(part.surface[1])]
@@ -297,19 +297,19 @@ def _caption(*depths: float) -> str:
     return ", ".join(f"{when}: {text}" for when, text in zip(("before", "after"), cells, strict=True))
 
 
-def room_of(model: Model) -> list[payload.Drawn]:
+def room_of(model: Model) -> list[payload.BodyMesh]:
     """Return the drawn bodies of a model's room, in the world frame.
     With many hulls each has fewer corners, and with very many the largest are drawn."""
     sizes = nlargest(PIECES, (_size(piece) for body in model.room for piece in body.pieces))
     least, most, found = min(sizes, default=0.0), _corners(len(sizes)), []
-    seen = drawn(model.visuals, [body.name for body in model.room], ROOM_TRIANGLES)
+    seen = visual_surfaces(model.visuals, [body.name for body in model.room], ROOM_TRIANGLES)
     for body in model.room:
         def placed(surface: surfaces.Surface, body: Body = body) -> surfaces.Surface:
             return rotation.rotate(np.array(body.orientation), surface[0]) + np.array(body.position), surface[1]
 
         hull = placed(surfaces.surface([piece for piece in body.pieces if _size(piece) >= least], most))
         role = "fixed" if _is_ground(hull) else "furniture"
-        found.append(payload.Drawn(role, placed(seen[body.name]), hull) if body.name in seen else payload.Drawn(role, hull))
+        found.append(payload.BodyMesh(role, placed(seen[body.name]), hull) if body.name in seen else payload.BodyMesh(role, hull))
     return found
 
 

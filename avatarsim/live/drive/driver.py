@@ -165,7 +165,7 @@ class Driver:
         if k in self._drags:
             self._drags[k].goal, self._drags[k].turn = goal, turn
             return
-        self._take("drag")
+        self._switch_source("drag")
         place, turned = self._tree.pose(self._base, k)
         self._drags[k] = _Drag(goal, turn, place, turned)
 
@@ -178,7 +178,7 @@ class Driver:
         """Press or repeat a key of `KEYS`. Return "", or the reason why it has no effect. Raises UnknownName."""
         if key not in BY_NAME:
             raise UnknownName("key", str(key), BY_NAME)
-        said, axis = BY_NAME[key], BY_NAME[key].axis
+        pressed, axis = BY_NAME[key], BY_NAME[key].axis
         if axis == "fist" and not self._closing:
             return "this avatar has no fingers with hinges, so that there is no fist to open or close"
         if axis == "lift" and not self._lifts:
@@ -189,9 +189,9 @@ class Driver:
             return "the root of this avatar is not free, so that it stays where it is"
         if self._drags:
             return "a link is being dragged, which goes before keys"
-        self._take("keys")
+        self._switch_source("keys")
         if axis:
-            self._speeds.press(axis, said.sign)
+            self._speeds.press(axis, pressed.sign)
         elif key == "t":
             self._is_reached = not self._is_reached
             self._swing = self._towards(self._reached if self._is_reached else self._start)
@@ -220,14 +220,14 @@ class Driver:
         begin = own if at is None else _vector("place where a motion begins [m]", at)
         bounded("place where the root of a motion begins [m]", begin.tolist(), 1e6, InvalidSample)
         self._drags.clear()
-        self._take("clip")
+        self._switch_source("clip")
         self._clip = _Clip(motion, begin - own)
         self._offset = self._offset_to(self._of_clip(self._clip))
 
     def take_over(self) -> None:
         """End a clip: driving by hand continues from its current posture."""
         if self._clip is not None:
-            self._take("keys")
+            self._switch_source("keys")
             self._source = "still"
 
     def set_sample(self, sample: TrackerSample) -> None:
@@ -275,7 +275,7 @@ class Driver:
         stepping = self._gait is not None and self._gait.is_stepping
         return self._speeds.is_moving or self._swing is not None or stepping
 
-    def _take(self, source: str) -> None:
+    def _switch_source(self, source: str) -> None:
         """Switch to another source, starting from the shown posture."""
         if self._source != source or source in ("drag", "clip"):
             self._base = self._shown.copy()
@@ -390,8 +390,8 @@ class Driver:
             return found
         facing = yaw_of_x(found.turns[0]) if self._gait is None else self._gait.forward(found)
         tips = tuple(arm.tip for arm in self._arms)
-        held = frozenset(range(len(self._tree.nodes))) - frozenset(k for arm in self._arms for k in arm.links)
-        pull = Pull(self._tree, tips, LEVER * self._span, held)
+        fixed = frozenset(range(len(self._tree.nodes))) - frozenset(k for arm in self._arms for k in arm.links)
+        pull = Pull(self._tree, tips, LEVER * self._span, fixed)
         places, _ = self._tree.poses(found)
         goals = []
         for arm in self._arms:
@@ -450,7 +450,7 @@ class Driver:
         if self._tracker is None:
             return
         if self._source != "tracker":
-            self._take("tracker")
+            self._switch_source("tracker")
             self._was_moved = True
             self._offset = self._offset_to(self._tracker)
             if self._gait is not None:

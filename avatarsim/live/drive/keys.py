@@ -55,29 +55,29 @@ class Speeds:
     """Shares of full speed, -1 to 1, by axis."""
 
     def __init__(self) -> None:
-        self._asked = dict.fromkeys(AXES, 0.0)
+        self._targets = dict.fromkeys(AXES, 0.0)
         self.now = dict.fromkeys(AXES, 0.0)
 
     def press(self, axis: str, sign: float) -> None:
         """Request full speed along an axis."""
-        self._asked[axis] = sign
+        self._targets[axis] = sign
 
     def stop(self) -> None:
         """Reset all speeds."""
-        self._asked, self.now = dict.fromkeys(AXES, 0.0), dict.fromkeys(AXES, 0.0)
+        self._targets, self.now = dict.fromkeys(AXES, 0.0), dict.fromkeys(AXES, 0.0)
 
     def advance(self, dt: float) -> None:
         """Advance the decay and the speeds."""
         decay, follow = exp(-dt / DECAY), 1.0 - exp(-dt / EASE)
         for axis in AXES:
-            self._asked[axis] *= decay
-            if abs(self._asked[axis]) < STILL:
-                self._asked[axis] = 0.0
-            self.now[axis] += follow * (self._asked[axis] - self.now[axis])
-            if self._asked[axis] == 0.0 and abs(self.now[axis]) < STILL:
+            self._targets[axis] *= decay
+            if abs(self._targets[axis]) < STILL:
+                self._targets[axis] = 0.0
+            self.now[axis] += follow * (self._targets[axis] - self.now[axis])
+            if self._targets[axis] == 0.0 and abs(self.now[axis]) < STILL:
                 self.now[axis] = 0.0
 
     @property
     def is_moving(self) -> bool:
         """Return True if any speed is not zero."""
-        return any(self._asked.values()) or any(self.now.values())
+        return any(self._targets.values()) or any(self.now.values())

@@ -40,19 +40,19 @@ class Goal:
 
 @dataclass
 class Pull:
-    """Links with goals and the joints that move them: all from each link up to its root, except those of `held` links.
+    """Links with goals and the joints that move them: all from each link up to its root, except those of `fixed` links.
 
     `lever` [m] converts a turn of a radian to a length."""
 
     tree: Tree
     links: tuple[int, ...]
     lever: float
-    held: frozenset[int] = frozenset()
+    fixed: frozenset[int] = frozenset()
     joints: list[int] = field(init=False)
 
     def __post_init__(self) -> None:
         above = sorted({k for link in self.links for k in self.tree.chain(link)})
-        self.joints = [k for k in self.tree.moving(above) if k not in self.held]
+        self.joints = [k for k in self.tree.moving(above) if k not in self.fixed]
 
     def error(self, posture: Posture, goals: Sequence[Goal]) -> Array:
         """Return the mean vector from the links to their goals (3,) [m]."""
@@ -66,19 +66,19 @@ class Pull:
         Return True if it stopped where more rounds would not help: the goals are out of reach."""
         if not self.joints:
             return True
-        arrays, (asked, scratch, mobile) = self.tree.arrays, self._room
+        arrays, (goal_arrays, scratch, mobile) = self.tree.arrays, self._room
         scratch.mobility[:] = mobile
         for k in still:
             scratch.mobility[arrays.skeleton.first_dof[k] : arrays.skeleton.first_dof[k + 1]] = 0.0
         for g, goal in enumerate(goals):
-            asked.link[g] = goal.link
-            asked.has_place[g], asked.has_turn[g] = goal.position is not None, goal.orientation is not None
+            goal_arrays.link[g] = goal.link
+            goal_arrays.has_place[g], goal_arrays.has_turn[g] = goal.position is not None, goal.orientation is not None
             if goal.position is not None:
-                asked.place[g] = goal.position
+                goal_arrays.place[g] = goal.position
             if goal.orientation is not None:
-                asked.turn[g] = rotation.to_matrix(goal.orientation)
+                goal_arrays.turn[g] = rotation.to_matrix(goal.orientation)
         found = arrays.read(posture.sample(0.0))
-        is_stuck = approach(arrays.skeleton, asked, self.lever, CLOSE, ROUNDS, most, DAMPING, found, scratch)
+        is_stuck = approach(arrays.skeleton, goal_arrays, self.lever, CLOSE, ROUNDS, most, DAMPING, found, scratch)
         self.tree.take_over(found, [k for k in self.joints if self.tree.nodes[k].is_ball], posture)
         return is_stuck and not still
 

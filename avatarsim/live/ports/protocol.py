@@ -139,8 +139,8 @@ def _json(text: str) -> object:
     except RecursionError:
         raise Refused(Refusal.TOO_DEEP, "nesting of a message", text[:QUOTED], f"at most {DEEPEST} levels") from None
     except ValueError as error:
-        said = error.msg if isinstance(error, json.JSONDecodeError) else type(error).__name__
-        raise Refused(Refusal.NOT_JSON, "a message", text[:QUOTED], f"JSON ({said})") from None
+        reason = error.msg if isinstance(error, json.JSONDecodeError) else type(error).__name__
+        raise Refused(Refusal.NOT_JSON, "a message", text[:QUOTED], f"JSON ({reason})") from None
     return value
 
 
@@ -157,15 +157,15 @@ def _constant(word: str) -> NoReturn:
     raise Refused(Refusal.NOT_FINITE, "number of a message", word, "a finite number")
 
 
-def _keys(thing: str, given: Mapping[str, object], needed: Sequence[str], allowed: Sequence[str]) -> None:
+def _keys(thing: str, keys: Mapping[str, object], needed: Sequence[str], allowed: Sequence[str]) -> None:
     """Refuse missing and unknown keys."""
     valid = f"the keys {', '.join(allowed)}"
-    for name in given:
+    for name in keys:
         if name not in allowed:
             raise Refused(Refusal.UNKNOWN_KEY, f"key of {thing}", name[:QUOTED], valid)
     for name in needed:
-        if name not in given:
-            raise Refused(Refusal.MISSING_KEY, f"keys of {thing}", sorted(given), valid)
+        if name not in keys:
+            raise Refused(Refusal.MISSING_KEY, f"keys of {thing}", sorted(keys), valid)
 
 
 def _sample(message: Mapping[str, object], shape: Shape) -> TrackerSample:
@@ -225,11 +225,11 @@ def _capped(positions: Array, rotations: Array, angles: Array) -> TrackerSample:
 
 def _goals(message: Mapping[str, object], shape: Shape) -> Goals:
     _keys("a message of goals", message, ("links",), ("links",))
-    given = message["links"]
-    if not isinstance(given, dict):
-        raise Refused(Refusal.WRONG_TYPE, "links", _short(given), "an object of goals by the names of links")
+    links = message["links"]
+    if not isinstance(links, dict):
+        raise Refused(Refusal.WRONG_TYPE, "links", _short(links), "an object of goals by the names of links")
     goals: dict[str, Goal] = {}
-    for name, goal in given.items():
+    for name, goal in links.items():
         link = shape.canonical.get(name)
         if link is None:
             known = ", ".join(shape.links[:8]) + (" and others" if len(shape.links) > 8 else "")

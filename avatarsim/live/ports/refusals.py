@@ -26,8 +26,8 @@ class Refusal(Enum):
     NOT_A_ROTATION = "a quaternion whose length is not 1"
     WRONG_MAGIC = "neither JSON nor packed numbers"
     WRONG_VERSION = "packed numbers of an unknown version or width"
-    NOT_TAKEN = "refused by what is driven"
-    NOT_ASKED = "a message where none is read"
+    NOT_ACCEPTED = "refused by what is driven"
+    UNEXPECTED = "a message where none is read"
     TOO_FAST = "more messages in a second than are read"
     FLOOD = "a peer dropped for flooding"
     FOREIGN_HOST = "a Host header that is none of ours"
@@ -62,17 +62,17 @@ class Refusals:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._counts: Counter[tuple[Refusal, Peer]] = Counter()
-        self._taken: Counter[Peer] = Counter()
+        self._accepted: Counter[Peer] = Counter()
 
     def count(self, reason: Refusal, peer: Peer) -> None:
         """Count one more refusal."""
         with self._lock:
             self._counts[reason, peer] += 1
 
-    def took(self, peer: Peer) -> None:
+    def count_accepted(self, peer: Peer) -> None:
         """Count one more message that was valid and passed on."""
         with self._lock:
-            self._taken[peer] += 1
+            self._accepted[peer] += 1
 
     @property
     def counts(self) -> Mapping[tuple[Refusal, Peer], int]:
@@ -81,7 +81,7 @@ class Refusals:
             return dict(self._counts)
 
     @property
-    def taken(self) -> Mapping[Peer, int]:
+    def accepted(self) -> Mapping[Peer, int]:
         """Number of valid messages by kind of peer."""
         with self._lock:
-            return dict(self._taken)
+            return dict(self._accepted)

@@ -14,9 +14,9 @@ from avatarsim.errors import InvalidInput, MissingPackage
 from avatarsim.live.messages import State
 from avatarsim.live.ports.admission import Limits, as_address
 from avatarsim.live.ports.drawing import described
+from avatarsim.live.ports.gate import Gate, OnRefusal, OnTarget
 from avatarsim.live.ports.protocol import Shape
 from avatarsim.live.ports.refusals import Refusals
-from avatarsim.live.ports.taking import Gate, OnRefusal, OnTarget
 from avatarsim.live.ports.udp import Datagrams
 from avatarsim.scene.scene import Scene
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 HIGHEST_PORT = 65535
 
 
-class PortTaken(InvalidInput):
+class PortUnavailable(InvalidInput):
     """A port that the system refuses: another program has it, it needs more rights, or the address is another machine's."""
 
 
@@ -48,7 +48,7 @@ class Ports:
     ) -> None:
         self.refusals = Refusals()
         self._listen = as_address(listen)
-        self._asked = {"udp": _port("UDP port", udp_port), "websocket": _port("WebSocket port", ws_port)}
+        self._requested = {"udp": _port("UDP port", udp_port), "websocket": _port("WebSocket port", ws_port)}
         self._limits = limits or Limits()
         self._gate = Gate(Shape.of(scene), on_target, self.refusals, on_refusal)
         self._scene, self._allow = scene, allow
@@ -76,7 +76,7 @@ class Ports:
         return f"http://{shown}:{port}/hands"
 
     def start(self) -> Self:
-        """Open the ports. Raises PortTaken if one is not available, MissingPackage if `websockets` is not installed."""
+        """Open the ports. Raises PortUnavailable if one is not available, MissingPackage if `websockets` is not installed."""
         if self._thread is not None:
             return self
         begun: Future[None] = Future()
@@ -124,15 +124,15 @@ class Ports:
 
     def _open(self) -> None:
         """Open the sockets here and not in the thread, so that the caller receives the error if one is not available."""
-        if self._asked["websocket"] is not None:
+        if self._requested["websocket"] is not None:
             try:
                 from avatarsim.live.ports.websocket import WebSockets
             except ImportError as error:
                 raise MissingPackage("websockets", "view", "a WebSocket port") from error
             self._web = WebSockets(self._gate, described(self._scene), self._limits, self._allow)
-            self._ends["websocket"] = _bound(self._listen, self._asked["websocket"], socket.SOCK_STREAM, "WebSocket port")
-        if self._asked["udp"] is not None:
-            self._ends["udp"] = _bound(self._listen, self._asked["udp"], socket.SOCK_DGRAM, "UDP port")
+            self._ends["websocket"] = _bound(self._listen, self._requested["websocket"], socket.SOCK_STREAM, "WebSocket port")
+        if self._requested["udp"] is not None:
+            self._ends["udp"] = _bound(self._listen, self._requested["udp"], socket.SOCK_DGRAM, "UDP port")
 
     def _run(self, begun: Future[None]) -> None:
         with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
@@ -186,5 +186,5 @@ def _bound(host: str, port: int | None, kind: socket.SocketKind, thing: str) -> 
             valid = "a port that no other program has; 0 lets the system choose"
         else:
             valid = f"a port and an address of this machine that may be used ({error.strerror})"
-        raise PortTaken(thing, f"{host}:{port}", valid) from error
+        raise PortUnavailable(thing, f"{host}:{port}", valid) from error
     return end

@@ -11,12 +11,12 @@ from collections import OrderedDict
 from typing import Any
 
 from avatarsim.live.ports.admission import SECOND, Limits, Window
+from avatarsim.live.ports.gate import Gate
 from avatarsim.live.ports.refusals import Peer
-from avatarsim.live.ports.taking import Gate
 
 ANSWERS = 20
 """Answers a second to all sources together. More: a flood of forged addresses makes more traffic elsewhere."""
-TAKEN = json.dumps({"taken": 1}).encode()
+ACCEPTED = json.dumps({"taken": 1}).encode()
 """Answer to the first accepted datagram of a source."""
 
 
@@ -24,7 +24,7 @@ class Source:
     """State of a source of datagrams."""
 
     def __init__(self, limits: Limits) -> None:
-        self.window, self.was_taken, self.told = Window(limits), False, -1
+        self.window, self.was_accepted, self.refused_at = Window(limits), False, -1
 
 
 class Datagrams(asyncio.DatagramProtocol):
@@ -42,7 +42,7 @@ class Datagrams(asyncio.DatagramProtocol):
     def datagram_received(self, data: bytes, address: tuple[Any, ...]) -> None:
         """Process a datagram; called by the event loop."""
         source = self._source(address)
-        _, wrong = self._gate.take(data, source.window, Peer.UDP, f"udp {address[0]}:{address[1]}")
+        _, wrong = self._gate.handle(data, source.window, Peer.UDP, f"udp {address[0]}:{address[1]}")
         self._answer(source, address, wrong)
 
     def _answer(self, source: Source, address: tuple[Any, ...], wrong: str) -> None:
@@ -50,14 +50,14 @@ class Datagrams(asyncio.DatagramProtocol):
         second = time.monotonic_ns() // SECOND
         if second != self._second:
             self._second, self._answers = second, 0
-        if self._answers >= ANSWERS or (source.told == second if wrong else source.was_taken):
+        if self._answers >= ANSWERS or (source.refused_at == second if wrong else source.was_accepted):
             return
         self._answers += 1
         if wrong:
-            source.told = second
+            source.refused_at = second
         else:
-            source.was_taken = True
-        self._transport.sendto(json.dumps({"refused": wrong}).encode() if wrong else TAKEN, address)
+            source.was_accepted = True
+        self._transport.sendto(json.dumps({"refused": wrong}).encode() if wrong else ACCEPTED, address)
 
     def _source(self, address: object) -> Source:
         """Return a source by its address; the one silent longest makes room."""

@@ -19,13 +19,13 @@ from websockets.http11 import Request, Response
 
 from avatarsim.live.messages import State
 from avatarsim.live.ports.admission import Limits, Pace, Window, judged
+from avatarsim.live.ports.gate import Gate
 from avatarsim.live.ports.pages import page
 from avatarsim.live.ports.protocol import json_poses, packed_poses
 from avatarsim.live.ports.refusals import Peer, Refusal
-from avatarsim.live.ports.taking import Gate
 
-TRACKER, POSES, PACKED = "/tracker", "/poses", "/poses/packed"
-WAYS = (TRACKER, POSES, PACKED)
+TRACKER, POSES, PACKED_POSES = "/tracker", "/poses", "/poses/packed"
+WAYS = (TRACKER, POSES, PACKED_POSES)
 """Paths of WebSockets."""
 SEND_BUFFER = 1 << 16
 """[bytes] Send buffer for a slow client in the system, and the same again in the server: some hundred poses of a hand."""
@@ -46,12 +46,12 @@ class Slot:
         self._is_new = asyncio.Event()
 
     def put(self, message: object) -> None:
-        """Replace the message that has not been taken."""
+        """Replace the message that has not been read."""
         self._newest = message
         self._is_new.set()
 
-    async def take(self) -> Any:
-        """Wait for a message that was not taken yet."""
+    async def next_message(self) -> Any:
+        """Wait for a message that was not read yet."""
         await self._is_new.wait()
         self._is_new.clear()
         return self._newest
@@ -205,10 +205,10 @@ class WebSockets:
             # as bytes, whatever its kind: invalid text is then refused like any other message
             data = await connection.recv(decode=False)
             if way != TRACKER:
-                wrong = self._gate.refuse(Refusal.NOT_ASKED, Peer.WEBSOCKET, source)
+                wrong = self._gate.refuse(Refusal.UNEXPECTED, Peer.WEBSOCKET, source)
                 pace = window.admit(time.monotonic_ns())
             else:
-                pace, wrong = self._gate.take(data, window, Peer.WEBSOCKET, source)
+                pace, wrong = self._gate.handle(data, window, Peer.WEBSOCKET, source)
             if pace is Pace.FLOOD:
                 self._gate.refuse(Refusal.FLOOD, Peer.WEBSOCKET, source)
                 connection.transport.abort()
@@ -229,8 +229,8 @@ class WebSockets:
                 self._gate.refuse(Refusal.STOPPED_READING, Peer.WEBSOCKET, source_of(connection))
                 connection.transport.abort()
                 return
-            newest = await slot.take()
-            message = newest if isinstance(newest, str) else (packed_poses if way == PACKED else json_poses)(newest)
+            newest = await slot.next_message()
+            message = newest if isinstance(newest, str) else (packed_poses if way == PACKED_POSES else json_poses)(newest)
 
 
 def source_of(connection: ServerConnection) -> str:

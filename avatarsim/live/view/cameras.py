@@ -63,7 +63,7 @@ def framed(avatar: Avatar, places: Array, turns: Array, view: str, offsets: Arra
     return Camera(look_at + distance * away, look_at)
 
 
-def beside(scene: Scene) -> Array:
+def world_spacing(scene: Scene) -> Array:
     """Return the offset (3,) [m] from a world to the next one, to the right in the first view."""
     azimuth = radians(VIEWS["Home"][0])
     right = np.array((-sin(azimuth), cos(azimuth), 0.0))

@@ -27,11 +27,11 @@ from avatarsim.live.ports.server import Ports
 from avatarsim.live.session import Driven, Session
 from avatarsim.live.stages import Stage
 from avatarsim.live.view.depth import LEAST, Depth, OwnOverlap, own_posture
-from avatarsim.live.view.drawn import DRAWN, FLASHING, Drawn
+from avatarsim.live.view.page_text import at_page, at_ports, numbers, overlapping, situation, table, timing, word_of
 from avatarsim.live.view.panel import Panel
+from avatarsim.live.view.scene_meshes import DRAW_INTERVAL, FLASHING, SceneMeshes
 from avatarsim.live.view.server import AdmittingServer
 from avatarsim.live.view.share import driven, filmed, shared_page
-from avatarsim.live.view.telling import at_page, at_ports, numbers, overlapping, situation, table, timing, word_of
 from avatarsim.live.view.worlds import Worlds
 from avatarsim.scene.body import Role
 from avatarsim.scene.motion import Motion
@@ -145,19 +145,19 @@ class Page:
         sys.setswitchinterval(TURN)
         hands = threading.Thread(target=self._lead, name="avatarsim targets", daemon=True)
         hands.start()
-        drawn = measured = timed = 0.0
+        drawn_at = measured = timed = 0.0
         try:
             while not until() and self._ended is None:
                 now = time.monotonic()
                 if now - measured >= OVERLAP_INTERVAL:
                     measured = now
-                    self._tell()
+                    self._show_overlaps()
                 if now - timed >= TIMING_INTERVAL:
                     timed = now
                     self._time()
                 self.server.do(self._draw)
-                drawn = max(drawn + DRAWN, now)
-                time.sleep(max(SOONEST, drawn + DRAWN - time.monotonic()))
+                drawn_at = max(drawn_at + DRAW_INTERVAL, now)
+                time.sleep(max(SOONEST, drawn_at + DRAW_INTERVAL - time.monotonic()))
         finally:
             self._is_over = True
             hands.join()
@@ -199,21 +199,21 @@ class Page:
             try:
                 event()
             except AvatarsimError as error:
-                self.panel.say(str(error))
+                self.panel.show_message(str(error))
 
     def _draw(self) -> None:
-        """Move all drawn objects to the newest states."""
+        """Move all meshes objects to the newest states."""
         now, first = time.monotonic(), self.session.first.plan.name
         positions, orientations = link_poses(self._scene.avatars, self._sample)
         with self.server.atomic():
             for name, loop in list(self.session.loops.items()):
-                drawn, state = self.worlds.drawn.get(name), loop.state
-                if drawn is None or state is None:
+                meshes, state = self.worlds.meshes.get(name), loop.state
+                if meshes is None or state is None:
                     continue
                 if name == first:
-                    self._apart = drawn.show_ghost(positions, orientations, state)
-                drawn.show(state, loop.touching, now)
-                self._say_word(name, drawn, loop.window.states(), now)
+                    self._apart = meshes.show_ghost(positions, orientations, state)
+                meshes.show(state, loop.touching, now)
+                self._show_action(name, meshes, loop.window.states(), now)
             for name, gizmo in self._gizmos.items():
                 if name not in self._grabbed:
                     k = self._names[name] - self._offset
@@ -221,7 +221,7 @@ class Page:
             if self._is_new and self.driver.source != "still":
                 self._is_new = self.hint.visible = False
 
-    def _say_word(self, name: str, drawn: Drawn, states: Sequence[State], now: float) -> None:
+    def _show_action(self, name: str, meshes: SceneMeshes, states: Sequence[State], now: float) -> None:
         """Show the avatar's current action in a word, for some time, with a flash if it is a new one."""
         word, end, seen = self._words.get(name, ("", 0.0, -1))
         touching = self.session.first.touching
@@ -231,14 +231,14 @@ class Page:
         found = word_of(news, apart, touches, self._offset, self._loose) if is_driven else ""
         if found and (found == word or now >= end or found == "bounces"):
             if found != word:
-                drawn.say(found, now + FLASHING)
+                meshes.show_word(found, now + FLASHING)
             word, end = found, now + WORD
         elif word and now >= end:
             word = ""
-            drawn.say("")
+            meshes.show_word("")
         self._words[name] = (word, end, states[-1].frame if states else -1)
 
-    def _tell(self) -> None:
+    def _show_overlaps(self) -> None:
         """Show overlaps, and the obstacle of the avatar."""
         depths, name = dict[str, float](), self.session.first.plan.name
         states = self.session.states
@@ -255,19 +255,19 @@ class Page:
         heard = [situation(first, overlap), at_page(self.server.refusals)]
         if self.ports is not None:
             heard.append(at_ports(self.ports.refusals))
-        colours = {one: drawn.colour for one, drawn in list(self.worlds.drawn.items())}
+        colours = {one: meshes.colour for one, meshes in list(self.worlds.meshes.items())}
         depths = {one: found for one, found in depths.items() if one in colours}
         above, words = numbers(target, self._apart, depths, colours), "\n\n".join(filter(None, heard))
         self.server.do(lambda: self._write(above, words, depths, target))
 
     def _write(self, above: str, words: str, depths: Mapping[str, float], target: float) -> None:
         """Show numbers over the scene, words on the panel, and red for overlaps."""
-        self.panel.tell(above, words)
+        self.panel.show_numbers(above, words)
         first = self.session.first.plan.name
         for name, depth in depths.items():
-            if name in self.worlds.drawn:
-                self.worlds.drawn[name].mark(depth > LEAST, name == first and target > LEAST)
-                self.worlds.drawn[name].see_through(self._apart)
+            if name in self.worlds.meshes:
+                self.worlds.meshes[name].mark(depth > LEAST, name == first and target > LEAST)
+                self.worlds.meshes[name].see_through(self._apart)
 
     def _time(self) -> None:
         """Show the timing of all loops."""
@@ -302,7 +302,7 @@ class Page:
 
     def _bind_drags(self) -> None:
         """Bind pointer drags of links: on the plane of the view, with shift away from the eye."""
-        links = self.worlds.drawn[self.session.first.plan.name].links
+        links = self.worlds.meshes[self.session.first.plan.name].links
         for name in self.driver.links:
             link = links.get(self._names[name])
             if link is None:
@@ -342,7 +342,7 @@ class Page:
             self.server.post(lambda: self._see_less(name))
             return
         plan = next(plan for plan in self.shows.offered if plan.name == name)
-        self.panel.say(f"{name} is loading")
+        self.panel.show_message(f"{name} is loading")
         threading.Thread(target=self._load, args=(plan,), name=f"avatarsim loads {name}", daemon=True).start()
 
     def _load(self, plan: Plan) -> None:
@@ -352,7 +352,7 @@ class Page:
             loop.is_loaded()
         except AvatarsimError as error:
             loop.close()
-            self.panel.say(str(error))
+            self.panel.show_message(str(error))
             return
         self.post(partial(self._join, loop))
 
@@ -366,7 +366,7 @@ class Page:
     def _see_more(self, name: str) -> None:
         self.worlds.add(name)
         self.worlds.look_all("Home")
-        self.panel.say("")
+        self.panel.show_message("")
 
     def _see_less(self, name: str) -> None:
         self.worlds.remove(name)
@@ -378,7 +378,7 @@ class Page:
 
     def film(self, client: viser.ClientHandle) -> None:
         """Send a viewer a moving picture of its view in the next seconds."""
-        self._send(client, "gif", lambda: filmed(client, self.panel.say))
+        self._send(client, "gif", lambda: filmed(client, self.panel.show_message))
 
     def _send(self, client: viser.ClientHandle, suffix: str, make: Callable[[], bytes]) -> None:
         def work() -> None:
@@ -386,13 +386,13 @@ class Page:
                 content = make()
             except (AvatarsimError, RuntimeError) as error:
                 # also if the viewer has gone
-                self.panel.say(str(error))
+                self.panel.show_message(str(error))
                 return
             name = f"{re.sub('[^a-zA-Z0-9]+', '-', self._scene.name)}.{suffix}"
             self.server.post(lambda: client.send_file_download(name, content, save_immediately=True))
-            self.panel.say(f"{name}: {len(content) / 1e6:.1f} MB")
+            self.panel.show_message(f"{name}: {len(content) / 1e6:.1f} MB")
 
-        self.panel.say("working ...")
+        self.panel.show_message("working ...")
         threading.Thread(target=work, name=f"avatarsim {suffix}", daemon=True).start()
 
     def see_gizmos(self, visible: bool) -> None:

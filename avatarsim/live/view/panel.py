@@ -12,8 +12,8 @@ from viser._messages import HotkeyKey
 from avatarsim.live.drive.keys import KEYS
 from avatarsim.live.messages import Order, Switch
 from avatarsim.live.view.cameras import VIEWS
+from avatarsim.live.view.page_text import FIRST_VISIT, STYLE
 from avatarsim.live.view.server import AdmittingServer
-from avatarsim.live.view.telling import FIRST_VISIT, STYLE
 
 if TYPE_CHECKING:
     from avatarsim.live.view.page import Page
@@ -53,7 +53,7 @@ class Panel:
             with gui.add_folder("Clips", expand_by_default=False):
                 self._clip_buttons(clips)
         with gui.add_folder("Effects and method", expand_by_default=False):
-            self._effects = {name: gui.add_checkbox(said, True) for name, said in EFFECTS.items()}
+            self._effects = {name: gui.add_checkbox(text, True) for name, text in EFFECTS.items()}
             self._method = gui.add_dropdown("Method", tuple(METHODS.values()), initial_value=METHODS[page.method])
             for box in self._effects.values():
                 self._on(box.on_update, self._switch)
@@ -129,7 +129,7 @@ class Panel:
     def _view_boxes(self) -> None:
         gui, page = self._server.gui, self._page
         ghost = gui.add_checkbox("Your own posture, as a ghost", True)
-        self._here(ghost.on_update, lambda: page.worlds.drawn[page.session.first.plan.name].see_ghost(ghost.value))
+        self._here(ghost.on_update, lambda: page.worlds.meshes[page.session.first.plan.name].see_ghost(ghost.value))
         if page.shows.stage.visuals:
             tested = gui.add_checkbox("Shapes that are tested", False, hint="the convex pieces that overlap is tested with")
             self._here(tested.on_update, lambda: self._test(tested.value))
@@ -137,13 +137,13 @@ class Panel:
         self._here(gizmos.on_update, lambda: page.see_gizmos(gizmos.value))
 
     def _test(self, tested: bool) -> None:
-        for one in self._page.worlds.drawn.values():
+        for one in self._page.worlds.meshes.values():
             one.test(tested)
 
     def _ordered(self, order: Order, value: object = None) -> bool:
         """Send a command to all loops and show the driven one's refusal or report; return True if it was not refused."""
         answer = self._page.session.command(order, value)[self._page.session.first.plan.name]
-        self.say(answer.refused or answer.told)
+        self.show_message(answer.refused or answer.text)
         return not answer.refused
 
     def _take(self) -> None:
@@ -154,7 +154,7 @@ class Panel:
         acts[group.value]()
 
     def _press(self, key: str) -> None:
-        self.say(self._page.driver.press(key))
+        self.show_message(self._page.driver.press(key))
 
     def _pause(self) -> None:
         state = self._page.session.first.look()
@@ -166,7 +166,7 @@ class Panel:
 
     def _switch(self) -> None:
         off = tuple(name for name, box in self._effects.items() if not box.value)
-        preset = next(name for name, said in METHODS.items() if said == self._method.value)
+        preset = next(name for name, text in METHODS.items() if text == self._method.value)
         wanted = Switch(off, preset)
         if wanted == self._switched:
             return
@@ -186,21 +186,21 @@ class Panel:
         name = re.sub(r"\W+", "-", self._page.session.scene.name)
         path = self._page.shows.folder / f"{name}-{datetime.now():%Y%m%d-%H%M%S}.live"
         self._page.session.save(path)
-        self.say(f"Saved as {path}. `avatarsim replay {path}` runs it again.")
+        self.show_message(f"Saved as {path}. `avatarsim replay {path}` runs it again.")
 
     @property
     def off(self) -> tuple[str, ...]:
         """Effects that are switched off."""
         return self._switched.off
 
-    def say(self, words: str) -> None:
+    def show_message(self, words: str) -> None:
         """Show an error or a result; nothing for an empty text. Callable from any thread."""
-        self._server.post(self._show_said, words)
+        self._server.post(self._set_message, words)
 
-    def _show_said(self, words: str) -> None:
+    def _set_message(self, words: str) -> None:
         self._trouble.content, self._trouble.visible = words, bool(words)
 
-    def tell(self, numbers: str, words: str) -> None:
+    def show_numbers(self, numbers: str, words: str) -> None:
         """Show overlaps over the scene and words on the panel."""
         self.numbers.content, self._words.content = numbers, words
 

@@ -18,8 +18,8 @@ from avatarsim.live.recording import Frame, Recorded
 from avatarsim.live.replaying import replay
 from avatarsim.live.session import Session
 from avatarsim.live.view.depth import LEAST, OwnOverlap, own_posture
-from avatarsim.live.view.drawn import DRAWN, FURNITURE, colour_of, room_colours, surfaces_of
-from avatarsim.live.view.telling import depth
+from avatarsim.live.view.page_text import depth
+from avatarsim.live.view.scene_meshes import DRAW_INTERVAL, FURNITURE, colour_of, room_colours, surfaces_of
 from avatarsim.player import payload, three_js
 from avatarsim.player.surfaces import surface
 from avatarsim.scene.body import Body, Role
@@ -53,7 +53,7 @@ def driven(session: Session) -> list[Moment]:
     begin = (lead[-1].time - SECONDS) if lead else 0.0
     found, last = list[Moment](), -1.0
     for state in lead:
-        if state.time < begin or state.time - last < 0.9 * DRAWN or state.target not in samples:
+        if state.time < begin or state.time - last < 0.9 * DRAW_INTERVAL or state.target not in samples:
             continue
         last = state.time
         others = {name: min(states, key=lambda one: abs(one.due - state.due)) for name, states in loops.items() if states}
@@ -71,14 +71,14 @@ def _poses(state: State) -> tuple[Array, Array, Array]:
 def recorded(found: Recorded) -> list[Moment]:
     """Run a recording again and return its moments. Raises the errors of `replay`, and InvalidInput for one without a frame."""
     samples = [row.sample for row in found.rows if isinstance(row, Frame)]
-    step, made = max(1, round(found.plan.rate * DRAWN)), list[Moment]()
+    step, made = max(1, round(found.plan.rate * DRAW_INTERVAL)), list[Moment]()
 
-    def keep(frame: int, record: FrameRecord) -> None:
+    def append(frame: int, record: FrameRecord) -> None:
         if (frame - 1) % step == 0:
             poses = record.shown.positions, record.shown.orientations, record.angles
             made.append(Moment(frame / found.plan.rate, samples[frame - 1], {found.plan.name: poses}))
 
-    replay(found, keep)
+    replay(found, append)
     if not made:
         raise InvalidInput("frames of the recording", 0, "at least 1")
     return made
@@ -124,7 +124,7 @@ def shared_page(scene: Scene, moments: Sequence[Moment], visuals: Mapping[str, t
     of_ghost = [k for k in moving if k in own]
     parts = [np.array([pair[part][[k - first for k in of_ghost]] for pair in ghost]) for part in (0, 1)]
     take = payload.payload(
-        [payload.Drawn(role(k), surfaces[names[k]]) for k in (*moving, *still)],
+        [payload.BodyMesh(role(k), surfaces[names[k]]) for k in (*moving, *still)],
         {len(moving) + at: _place(scene.bodies[k]) for at, k in enumerate(still)},
         np.array([one.time - moments[0].time for one in moments]), views, 0,
         ("you", [number[names[k]] for k in of_ghost], payload.Poses(parts[0], parts[1])), lambda *_: -2.3, name=scene.name,
@@ -167,7 +167,7 @@ def _worst(name: str, found: Sequence[Deepest]) -> list[payload.Moment]:
     return [payload.Moment(at, f"{name}: {depth(metres)} inside, {pair[1]} in {pair[0]}", True)]
 
 
-def filmed(client: viser.ClientHandle, say: Callable[[str], object], seconds: float = SECONDS) -> bytes:
+def filmed(client: viser.ClientHandle, progress: Callable[[str], object], seconds: float = SECONDS) -> bytes:
     """Return a GIF of a viewer's picture from now on; not to be called from the server's thread.
 
     A viewer that draws in software needs many seconds for a picture: it is given more time, for `FEWEST` pictures, and the GIF
@@ -175,7 +175,7 @@ def filmed(client: viser.ClientHandle, say: Callable[[str], object], seconds: fl
 
     Args:
         client: viewer.
-        say: called with the progress in a line.
+        progress: called with the progress in a line.
         seconds: length of the GIF.
 
     Raises:
@@ -192,7 +192,7 @@ def filmed(client: viser.ClientHandle, say: Callable[[str], object], seconds: fl
         while (now := time.monotonic()) < begin + seconds or len(frames) < FEWEST:
             frames.append(Image.fromarray(client.get_render(*PICTURE, timeout=max(0.0, end - now))[..., :3]))
             stamps.append(now)
-            say(f"recording: {len(frames)} pictures in {time.monotonic() - begin:.0f} s")
+            progress(f"recording: {len(frames)} pictures in {time.monotonic() - begin:.0f} s")
             time.sleep(max(0.0, now + 1.0 / PICTURES - time.monotonic()))
     if len(frames) < 2:
         raise InvalidInput("pictures of this browser", len(frames), f"at least 2 in {PATIENCE:.0f} s; *Share* needs none of it")

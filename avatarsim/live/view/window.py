@@ -8,7 +8,7 @@ from typing import Self
 from avatarsim.engine import FrameRecord
 from avatarsim.live.messages import State
 from avatarsim.live.stages import Stage
-from avatarsim.live.view.drawn import DRAWN
+from avatarsim.live.view.scene_meshes import DRAW_INTERVAL
 from avatarsim.live.view.server import AdmittingServer
 from avatarsim.live.view.worlds import Worlds
 from avatarsim.scene.tracker import TrackerSample, checked, link_poses
@@ -25,7 +25,7 @@ class Window:
         self._scene = engine.scene
         stage = Stage(self._scene)
         self.server, self._last = AdmittingServer("127.0.0.1", port, "avatarsim"), 0.0
-        self._drawn = self.server.do(lambda: Worlds(self.server, stage, [engine.name])).drawn[engine.name]
+        self._meshes = self.server.do(lambda: Worlds(self.server, stage, [engine.name])).meshes[engine.name]
         if opens_browser:
             webbrowser.open(self.address)
 
@@ -37,7 +37,7 @@ class Window:
     def sync(self, record: FrameRecord, sample: TrackerSample | None = None) -> None:
         """Show a record, and with `sample` the user's own posture as a ghost. Returns at once, and skips records beyond 30 a
         second. Raises InvalidSample for a sample that does not fit."""
-        if time.monotonic() - self._last >= DRAWN:
+        if time.monotonic() - self._last >= DRAW_INTERVAL:
             self.sync_now(record, sample, wait=False)
 
     def sync_now(self, record: FrameRecord, sample: TrackerSample | None = None, wait: bool = True) -> None:
@@ -53,9 +53,9 @@ class Window:
         def draw() -> None:
             with self.server.atomic():
                 if ghost is not None:
-                    apart = self._drawn.show_ghost(*ghost, state)
-                    self._drawn.see_through(apart)
-                self._drawn.show(state, None, now)
+                    apart = self._meshes.show_ghost(*ghost, state)
+                    self._meshes.see_through(apart)
+                self._meshes.show(state, None, now)
 
         (self.server.do if wait else self.server.post)(draw)
 

@@ -18,7 +18,7 @@ from websockets.sync.client import connect
 from avatarsim.errors import InvalidInput, InvalidSample, MissingPackage
 from avatarsim.live.ports.protocol import POSES, POSES_HEAD, SAMPLE, Goals
 from avatarsim.live.ports.refusals import Peer, Refusal
-from avatarsim.live.ports.server import Ports, PortTaken
+from avatarsim.live.ports.server import Ports, PortUnavailable
 from avatarsim.scene.tracker import TrackerSample
 from tests.live.ports.opened import LONG, UPGRADE, Opened, counted, packed_sample, request, scene, state, until
 
@@ -63,7 +63,7 @@ def test_garbage_by_udp_is_counted_and_answered(live: Opened, reason: Refusal) -
     send(live, GOOD.encode())
     until(lambda: live.targets)
     assert live.ports.refusals.counts == {(reason, Peer.UDP): 1}
-    assert live.ports.refusals.taken == {Peer.UDP: 1} and len(live.targets) == 1
+    assert live.ports.refusals.accepted == {Peer.UDP: 1} and len(live.targets) == 1
 
 
 @pytest.mark.parametrize("reason", [one for one in GARBAGE if one is not Refusal.TOO_LONG], ids=lambda reason: reason.name)
@@ -173,7 +173,7 @@ def test_what_the_driven_refuses_is_counted(opened: Callable[..., Opened]) -> No
 
     live.ports._gate._on_target = refuse
     send(live, GOOD.encode())
-    until(lambda: counted(live.ports, Refusal.NOT_TAKEN))
+    until(lambda: counted(live.ports, Refusal.NOT_ACCEPTED))
 
 
 def test_by_default_nothing_listens_beyond_loopback(live: Opened) -> None:
@@ -194,7 +194,7 @@ def test_a_port_that_is_taken_is_a_typed_error(live: Opened, port: str) -> None:
     number = (live.udp if port == "udp_port" else live.web)[1]
     options: dict[str, Any] = {port: number}
     other = Ports(scene(), print, **options)
-    with pytest.raises(PortTaken, match=rf"{number}'; valid: a port that no other program has"):
+    with pytest.raises(PortUnavailable, match=rf"{number}'; valid: a port that no other program has"):
         other.start()
     assert not other.addresses
     other.close()
@@ -206,7 +206,7 @@ def test_wrong_ports_and_addresses_are_refused() -> None:
             Ports(scene(), print, udp_port=port)  # type: ignore[arg-type]
     with pytest.raises(InvalidInput, match="address to listen at"):
         Ports(scene(), print, listen="example.com")
-    with pytest.raises(PortTaken, match="an address of this machine"):
+    with pytest.raises(PortUnavailable, match="an address of this machine"):
         Ports(scene(), print, listen="192.0.2.1").start()
 
 
@@ -285,7 +285,7 @@ def test_clients_of_poses_get_the_scene_and_the_newest_state(live: Opened) -> No
 def test_a_client_of_poses_that_talks_is_counted(live: Opened) -> None:
     with connect(live.url("/poses")) as client:
         client.send(GOOD)
-        until(lambda: counted(live.ports, Refusal.NOT_ASKED))
+        until(lambda: counted(live.ports, Refusal.UNEXPECTED))
     assert not live.targets
 
 

@@ -12,7 +12,7 @@ viser = pytest.importorskip("viser")
 
 from avatarsim.live.drive.keys import KEYS  # noqa: E402
 from avatarsim.live.stages import NAMES, stage  # noqa: E402
-from avatarsim.live.view.cameras import FIELD, VIEWS, beside, framed  # noqa: E402
+from avatarsim.live.view.cameras import FIELD, VIEWS, framed, world_spacing  # noqa: E402
 from avatarsim.live.view.worlds import Worlds  # noqa: E402
 from avatarsim.player.surfaces import corners  # noqa: E402
 from avatarsim.scene.tracker import link_poses  # noqa: E402
@@ -54,7 +54,7 @@ def test_a_view_shows_the_avatar_at_two_fifths_of_the_height(name: str, view: st
 def test_worlds_side_by_side_are_all_in_the_first_view() -> None:
     scene = stage("toys").scene
     places, turns = (one[: len(scene.avatars[0].links)] for one in link_poses(scene.avatars, scene.first_sample))
-    step = beside(scene)
+    step = world_spacing(scene)
     offsets = np.arange(2)[:, None] * step
     seen = framed(scene.avatars[0], places, turns, "Home", offsets)
     ahead = unit(seen.look_at - seen.position)

@@ -12,7 +12,7 @@ pytest.importorskip("viser")
 from avatarsim.engine import Settings
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.messages import Plan
-from avatarsim.live.recording import OURS
+from avatarsim.live.recording import ENGINE
 from avatarsim.live.session import Session
 from avatarsim.live.stages import stage
 from avatarsim.live.view.depth import own_depth
@@ -39,8 +39,8 @@ def inside(page: Page) -> list[float]:
 def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
     """Yield the page of the hand over the table, with its rounds running, for the tests of this file one after the other."""
     found, is_over = stage("hand"), threading.Event()
-    beside = Plan(OURS, found.scene, Settings(preset="paper"), 60.0, name="other")
-    with Session([Plan(OURS, found.scene, Settings(), 60.0)]) as session:
+    beside = Plan(ENGINE, found.scene, Settings(preset="paper"), 60.0, name="other")
+    with Session([Plan(ENGINE, found.scene, Settings(), 60.0)]) as session:
         shows = Shows(found, {}, own_depth(found.scene), port=0, folder=tmp_path_factory.mktemp("page"), offered=[beside])
         one = Page(session, Driver(found.scene), shows)
         rounds = threading.Thread(target=lambda: one.rounds(is_over.is_set))
@@ -52,7 +52,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
 
 
 def test_a_hand_in_the_table_has_a_ghost_and_two_numbers(page: Page) -> None:
-    ghost, first = page.worlds.drawn["avatarsim"].ghost, page.session.scene.first_sample.positions[0]
+    ghost, first = page.worlds.meshes["avatarsim"].ghost, page.session.scene.first_sample.positions[0]
     assert soon(lambda: inside(page) == [0.0, 0.0] and page.hint.visible)
     assert not any(body.node.visible for body in ghost.values())
     page.post(lambda: page.driver.drag("hand/palm", (*first[:2], 0.74)))
@@ -67,6 +67,6 @@ def test_another_engine_beside_follows_the_same_drag(page: Page) -> None:
     link, first = page.session.scene.names.index("hand/palm"), page.session.scene.first_sample.positions[0]
     page.post(lambda: page.driver.drag("hand/palm", first + (0.1, 0.0, 0.0)))
     assert soon(lambda: all(state.positions[link, 0] > first[0] + 0.09 for state in page.session.states.values()))
-    assert set(page.session.states) == set(page.worlds.drawn) == {"avatarsim", "other"}
+    assert set(page.session.states) == set(page.worlds.meshes) == {"avatarsim", "other"}
     page.post(lambda: page.compare("other"))
-    assert soon(lambda: len(inside(page)) == 2 and set(page.worlds.drawn) == {"avatarsim"})
+    assert soon(lambda: len(inside(page)) == 2 and set(page.worlds.meshes) == {"avatarsim"})

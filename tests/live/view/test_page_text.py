@@ -12,7 +12,7 @@ from avatarsim.live.messages import State
 from avatarsim.live.ports.refusals import Peer, Refusal, Refusals
 from avatarsim.live.stages import stage
 from avatarsim.live.view.depth import OwnOverlap
-from avatarsim.live.view.telling import at_ports, numbers, word_of
+from avatarsim.live.view.page_text import at_ports, numbers, word_of
 
 
 def test_a_user_inside_something_has_a_pair() -> None:

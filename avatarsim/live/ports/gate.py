@@ -28,7 +28,7 @@ class Gate:
         self._on_target, self._on_refusal = on_target, on_refusal
         self._reported: set[str] = set()
 
-    def take(self, data: bytes, window: Window, peer: Peer, source: str) -> tuple[Pace, str]:
+    def handle(self, data: bytes, window: Window, peer: Peer, source: str) -> tuple[Pace, str]:
         """Pass on the content of `data`, or count a refusal. Return the pace of its peer, and the error, or ""."""
         stamp = time.monotonic_ns()
         pace = window.admit(stamp)
@@ -41,8 +41,8 @@ class Gate:
         try:
             self._on_target(found, stamp, source)
         except AvatarsimError as error:
-            return pace, self.refuse(Refusal.NOT_TAKEN, peer, source, str(error))
-        self.refusals.took(peer)
+            return pace, self.refuse(Refusal.NOT_ACCEPTED, peer, source, str(error))
+        self.refusals.count_accepted(peer)
         return pace, ""
 
     def refuse(self, reason: Refusal, peer: Peer, source: str, sentence: str = "") -> str:

@@ -10,7 +10,7 @@ from avatarsim.cleaning.chords import Pair
 from avatarsim.live.figures import SPAN, Figures
 from avatarsim.live.messages import State
 from avatarsim.live.ports.refusals import Refusals
-from avatarsim.live.view.drawn import GHOST, OVERLAPPING, Colour
+from avatarsim.live.view.scene_meshes import GHOST, OVERLAPPING, Colour
 
 BUDGETS = {"60 Hz": 16.667, "90 Hz": 11.111}
 """[ms] that a frame has at the usual rates."""
@@ -46,7 +46,7 @@ FAST, SLOW, BEHIND = 0.3, 0.02, 4e-3
 """Least speeds of a loose body that bounces and of an avatar that slides [m/s], and least distance of the latter from its user
 [m]. Less: bodies at rest, or a lag of a frame, get a word."""
 
-HELD = ("waiting", "goal_not_reached")
+NOT_REACHED = ("waiting", "goal_not_reached")
 """Statuses of an avatar that does not reach its user's posture, for which the user's own overlap is a reason."""
 
 
@@ -116,11 +116,11 @@ def table(figures: Mapping[str, Figures]) -> str:
 
 def refused(refusals: Refusals) -> str:
     """Return counts of refusals by reason, the most frequent first; never a peer's text."""
-    said = [f"{count} {reason.value} ({peer.value})" for (reason, peer), count in sorted(
+    reasons = [f"{count} {reason.value} ({peer.value})" for (reason, peer), count in sorted(
         refusals.counts.items(), key=lambda one: -one[1]
     )]
-    left = f" and {len(said) - NAMED} more reasons" if len(said) > NAMED else ""
-    return f"{'; '.join(said[:NAMED]) or 'none'}{left}"
+    left = f" and {len(reasons) - NAMED} more reasons" if len(reasons) > NAMED else ""
+    return f"{'; '.join(reasons[:NAMED]) or 'none'}{left}"
 
 
 def at_page(refusals: Refusals) -> str:
@@ -130,8 +130,8 @@ def at_page(refusals: Refusals) -> str:
 
 def at_ports(refusals: Refusals) -> str:
     """Return the numbers of accepted and refused messages at the ports."""
-    taken = ", ".join(f"{count} by {peer.value}" for peer, count in refusals.taken.items()) or "none"
-    return f"Messages of trackers: {taken}. Refused: {refused(refusals)}."
+    accepted = ", ".join(f"{count} by {peer.value}" for peer, count in refusals.accepted.items()) or "none"
+    return f"Messages of trackers: {accepted}. Refused: {refused(refusals)}."
 
 
 def overlapping(pair: Pair, links: Collection[str]) -> str:
@@ -143,9 +143,9 @@ def overlapping(pair: Pair, links: Collection[str]) -> str:
 
 def situation(state: State, overlap: str) -> str:
     """Return a line on the obstacle of the avatar; `overlap` of the user's own posture, if that is the cause."""
-    held = [WORDS.get(name, name.replace("_", " ")) for name in state.statuses if not (overlap and name in HELD)]
-    told = [f"held back: {overlap}"] * bool(overlap) + held
-    lines = [f"**{'Paused. ' if state.is_paused else ''}{'; '.join(told) or 'follows you'}**"]
+    statuses = [WORDS.get(name, name.replace("_", " ")) for name in state.statuses if not (overlap and name in NOT_REACHED)]
+    parts = [f"held back: {overlap}"] * bool(overlap) + statuses
+    lines = [f"**{'Paused. ' if state.is_paused else ''}{'; '.join(parts) or 'follows you'}**"]
     if not state.is_logged:
         lines.append("The log is full: what is driven from here on is not saved. Reset begins another.")
     return "\n\n".join(lines)

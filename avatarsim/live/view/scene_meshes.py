@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from avatarsim.assets.models.pieces_of_geoms import Visual
 from avatarsim.live.messages import State, Touching
-from avatarsim.player.simplified import ROOM_TRIANGLES, drawn
+from avatarsim.player.simplified import ROOM_TRIANGLES, visual_surfaces
 from avatarsim.player.surfaces import Surface, corners, surface
 from avatarsim.scene.body import Body as SceneBody
 from avatarsim.scene.body import Role
@@ -48,7 +48,7 @@ APART = 4e-3
 """[m] between a link and its ghost from which the ghost is drawn. Less: the two flicker through each other."""
 GLOWING = 0.03
 """Diameter of a contact's glow, as a share of the avatar's span."""
-DRAWN = 1.0 / 30.0
+DRAW_INTERVAL = 1.0 / 30.0
 """[s] between two drawings. Shorter: drawing takes the time of the loop."""
 FLASHING = 0.15
 """[s] of a flash."""
@@ -78,7 +78,7 @@ def room_colours(bodies: Sequence[SceneBody]) -> dict[str, Colour]:
 def surfaces_of(scene: Scene, visuals: Mapping[str, tuple[Visual, ...]]) -> dict[str, Surface]:
     """Return the surfaces that are drawn in place of pieces, by names of the scene, from its visuals."""
     names, first = scene.names, len(scene.bodies)
-    return drawn(visuals, names[first:]) | drawn(visuals, names[:first], ROOM_TRIANGLES)
+    return visual_surfaces(visuals, names[first:]) | visual_surfaces(visuals, names[:first], ROOM_TRIANGLES)
 
 
 class Body:
@@ -121,7 +121,7 @@ class Body:
                 self._tested.visible = tested
 
 
-class Drawn:
+class SceneMeshes:
     """The world of one engine as meshes, at `offset` (3,) [m] from that of the driven engine, which is number 0 and has the
     ghost. `seen`: surfaces drawn in place of pieces."""
 
@@ -223,7 +223,7 @@ class Drawn:
             for body in self._room:
                 body.fade(THROUGH if is_through else None)
 
-    def say(self, word: str, flash_end: float = 0.0) -> None:
+    def show_word(self, word: str, flash_end: float = 0.0) -> None:
         """Show a word at the avatar, none for an empty one, and let the avatar flash until a time [s]."""
         if word:
             self._word.text = word
