@@ -74,22 +74,22 @@ def compared(scene: PathLike, words: Sequence[str] = ()) -> Mapping[str, Any]:
     line, environment = command([str(scene), "--json", *words])
     ran = subprocess.run(line, env=environment, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True, encoding="utf-8")
     try:
-        found: Mapping[str, Any] = json.loads(ran.stdout)
+        results: Mapping[str, Any] = json.loads(ran.stdout)
     except ValueError:
         how = "was stopped" if ran.returncode == STOPPED else f"ended with code {ran.returncode}"
         raise AvatarsimError(f"the comparison of {scene} {how}; standard error has why") from None
-    if "error" in found:
-        raise _error(found["error"])
-    return found
+    if "error" in results:
+        raise _error(results["error"])
+    return results
 
 
-def _error(found: Mapping[str, str]) -> AvatarsimError:
+def _error(described: Mapping[str, str]) -> AvatarsimError:
     """Return the error of another process, with its type and text; of an invalid input with its parts."""
-    kind = getattr(errors, found["type"], AvatarsimError)
+    kind = getattr(errors, described["type"], AvatarsimError)
     error: AvatarsimError = kind.__new__(kind)
-    Exception.__init__(error, found["text"])
+    Exception.__init__(error, described["text"])
     if isinstance(error, InvalidInput):
-        error.thing, error.value, error.valid = found["thing"], found["value"], found["valid"]
+        error.thing, error.value, error.valid = described["thing"], described["value"], described["valid"]
     return error
 
 
@@ -127,24 +127,24 @@ def words_of(
     """Return the arguments of `compare` as words of the command line."""
     if isinstance(engines, str) or isinstance(options, str):
         raise InvalidInput("engines and options", (engines, options), "sequences of texts")
-    given = {"motion": motion, "avatar": avatar, "room": room, "seconds": seconds}
-    words = [f"--{name}={value}" for name, value in given.items() if value is not None]
+    named = {"motion": motion, "avatar": avatar, "room": room, "seconds": seconds}
+    words = [f"--{name}={value}" for name, value in named.items() if value is not None]
     return [*words, *(["--engine", *engines] if engines else []), *map(str, options)]
 
 
-def table(found: Mapping[str, Any]) -> "pd.DataFrame":
+def table(results: Mapping[str, Any]) -> "pd.DataFrame":
     """Return a comparison as `compare` does."""
     import pandas as pd
 
-    runs = {one["run"]: {name: one[name] for name in ("version", "state", "note", "frames")} for one in found["runs"]}
+    runs = {one["run"]: {name: one[name] for name in ("version", "state", "note", "frames")} for one in results["runs"]}
     for one in runs.values():
         one["overlap"] = float("nan")
-    for row in found["rows"]:
+    for row in results["rows"]:
         if row["metric"] != "run":
             value = float("nan") if row["value"] is None else float(row["value"])
             runs[f"{row['engine']}/{row['preset']}"][row["metric"]] = value
             if row["metric"] == "residual_overlap_max":
                 runs[f"{row['engine']}/{row['preset']}"]["overlap"] = value
     made = pd.DataFrame.from_dict(runs, orient="index").rename_axis("engine")
-    made.attrs["metrics"] = dict(found["metrics"])
+    made.attrs["metrics"] = dict(results["metrics"])
     return made

@@ -63,7 +63,7 @@ class Compiled:
         self.wanted, self.clock = FIRST_COMPILE.own(), clock
         self.total = len(self.wanted)
         self.files, self.begun = self.entries(), clock()
-        self.kept = self.done()
+        self.done_at_start = self.done()
 
     def entries(self) -> int:
         """Return files of compiled kernels: a kernel has one for each set of argument types."""
@@ -75,14 +75,14 @@ class Compiled:
 
     def left(self, done: int) -> float:
         """Return the time [s] until all are done at the rate so far; infinite at first."""
-        new = done - self.kept
+        new = done - self.done_at_start
         return (self.total - done) * (self.clock() - self.begun) / new if new else float("inf")
 
-    def told(self, done: int) -> str:
+    def progress_text(self, done: int) -> str:
         """Return "so many of so many" and the time that is left; not before a tenth is done, for the first ones say little."""
-        told = f"{done} of {self.total} kernels"
-        tells = done - self.kept >= self.total // 10 and done < self.total
-        return f"{told}, about {self.left(done):.0f} s left" if tells else told
+        text = f"{done} of {self.total} kernels"
+        is_known = done - self.done_at_start >= self.total // 10 and done < self.total
+        return f"{text}, about {self.left(done):.0f} s left" if is_known else text
 
 
 HARNESS = ROOT.parent / "reference" / "compile_ahead.py"
@@ -259,8 +259,8 @@ def turn(stamp: Path) -> Iterator[None]:
     """Wait until no other process compiles the same thing."""
     make_private(stamp.parent)
     latch = stamp.with_suffix(".compiling")
-    with latch.open("w") as held:
-        fcntl.flock(held, fcntl.LOCK_EX)
+    with latch.open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
         yield
         latch.unlink(missing_ok=True)
 
@@ -296,10 +296,10 @@ def compile_into(folder: Path, stream: TextIO | None = None) -> bool:
     places.use_places(Places(base, required=True))
     if not compile_everything(stream):
         return False
-    kept = [base, *base.rglob("*")]
-    for path in [folder, *kept] if made else kept:
+    entries = [base, *base.rglob("*")]
+    for path in [folder, *entries] if made else entries:
         path.chmod(0o755 if path.is_dir() else 0o644)
-    size = sum(path.stat().st_size for path in kept if path.is_file())
+    size = sum(path.stat().st_size for path in entries if path.is_file())
     made_for = f"{1e-6 * size:.0f} MB of kernels for the processor {compiled_for().name}"
     print(f"{base}: {made_for}; set {VARIABLE} to the folder above it", file=stream or sys.stdout)
     return True
@@ -316,13 +316,13 @@ def run_shares(shares: tuple[tuple[str, ...], ...], stream: TextIO) -> bool:
     with Progress("compiling", stream) as progress:
         while running := [one.sentinel for one in children if one.is_alive()]:
             if not announced and compiled.entries() > compiled.files:
-                count, announced = compiled.total - compiled.kept, True
+                count, announced = compiled.total - compiled.done_at_start, True
                 cores = min(len(children), os.cpu_count() or 1)
                 length = f"about {seconds(count, cores)} s on {cores} core{'s' if cores > 1 else ''}"
                 print(f"compiling up to {count} kernels of the engine, once: {length}", file=stream, flush=True)
             if announced and progress.due:
                 done = compiled.done()
-                progress.step(done / compiled.total, compiled.told(done))
+                progress.step(done / compiled.total, compiled.progress_text(done))
             wait(running, LOOK)
     if (new := compiled.entries() - compiled.files) > 0:
         print(f"  {new} kernels compiled in {compiled.clock() - compiled.begun:.0f} s", file=stream)

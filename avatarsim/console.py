@@ -22,15 +22,15 @@ from typing import Self, TextIO
 
 from avatarsim.errors import described
 
-_SAID: set[str] = set()
+_PRINTED: set[str] = set()
 """Topics on which this process has printed a diagnostic."""
 
 
-def say_once(topic: str, sentence: str) -> None:
+def warn_once(topic: str, sentence: str) -> None:
     """Print `sentence` as one line on standard error, unless a line on `topic` was printed before."""
-    if topic in _SAID:
+    if topic in _PRINTED:
         return
-    _SAID.add(topic)
+    _PRINTED.add(topic)
     if sys.stderr is not None:
         # The stream may be closed or full; a diagnostic must never stop the work that it comments on.
         with suppress(OSError, ValueError):

@@ -45,57 +45,57 @@ class Moved:
     version: str
 
 
-def figures_of(found: Document) -> Figures:
+def figures_of(results: Document) -> Figures:
     """Return the figures that are kept: finite ones of metrics with a resolution, without times."""
-    metrics, kept = found["metrics"], dict[str, dict[str, Any]]()
-    for one in found["runs"]:
+    metrics, figures = results["metrics"], dict[str, dict[str, Any]]()
+    for one in results["runs"]:
         if one["state"] == "measured":
-            kept[f"{one['scenario']} {one['run']}"] = {"version": one["version"], "figures": {}}
-    for row in found["rows"]:
+            figures[f"{one['scenario']} {one['run']}"] = {"version": one["version"], "figures": {}}
+    for row in results["rows"]:
         name, value = row["metric"], row["value"]
-        of_run = kept.get(f"{row['scenario']} {row['engine']}/{row['preset']}")
+        of_run = figures.get(f"{row['scenario']} {row['engine']}/{row['preset']}")
         ranked = metrics[name]["level"] is not None and not name.startswith(TIMES)
         if of_run is not None and ranked and isinstance(value, int | float) and math.isfinite(value):
             of_run["figures"][name] = value
-    return kept
+    return figures
 
 
-def update(path: Path, found: Document) -> None:
+def update(path: Path, results: Document) -> None:
     """Write the file anew."""
-    text = json.dumps({"format": FORMAT, "runs": figures_of(found)}, indent=1, sort_keys=True)
+    text = json.dumps({"format": FORMAT, "runs": figures_of(results)}, indent=1, sort_keys=True)
     path.write_text(text + "\n", encoding="utf-8")
 
 
-def kept_figures(path: Path) -> Figures:
+def read_figures(path: Path) -> Figures:
     """Return the figures in the file at `path`. Raises InvalidFile where it is missing or of another layout."""
     if not path.exists():
         raise InvalidFile(f"kept figures {path}", "missing", f"{VALID}: run once with --update-drift, and commit it")
-    kept = read_json(path, f"kept figures {path}", VALID, MOST_BYTES)
-    if not isinstance(kept, dict) or kept.get("format") != FORMAT or not isinstance(kept.get("runs"), dict):
+    content = read_json(path, f"kept figures {path}", VALID, MOST_BYTES)
+    if not isinstance(content, dict) or content.get("format") != FORMAT or not isinstance(content.get("runs"), dict):
         raise InvalidFile(f"kept figures {path}", "of another layout", VALID)
     try:
         return {
             str(run): {"version": str(one["version"]), "figures": {name: float(value) for name, value in one["figures"].items()}}
-            for run, one in kept["runs"].items()
+            for run, one in content["runs"].items()
         }
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise InvalidFile(f"kept figures {path}", f"{type(error).__name__}: {error}", VALID) from error
 
 
-def drifted(kept: Figures, found: Document, share: float = 0.0) -> list[Moved]:
+def drifted(baseline: Figures, results: Document, share: float = 0.0) -> list[Moved]:
     """Return the figures that have moved from the kept ones; runs and metrics that are new have not.
 
     Args:
         share: difference, as a share of the larger value, up to which a figure has not moved either.
     """
-    return [one for run, before in kept.items() for one in _moved(run, before, found, share)]
+    return [one for run, before in baseline.items() for one in _moved(run, before, results, share)]
 
 
-def _moved(run: str, before: Mapping[str, Any], found: Document, share: float) -> list[Moved]:
+def _moved(run: str, before: Mapping[str, Any], results: Document, share: float) -> list[Moved]:
     """Return the figures of one run that have moved."""
-    after, moved = figures_of(found).get(run, {"version": "", "figures": {}}), list[Moved]()
+    after, moved = figures_of(results).get(run, {"version": "", "figures": {}}), list[Moved]()
     for name, old in before["figures"].items():
-        new, entry = after["figures"].get(name), found["metrics"].get(name, {"unit": ""})
+        new, entry = after["figures"].get(name), results["metrics"].get(name, {"unit": ""})
         if new is None or _differs(old, new, entry["level"], max(entry["share"], share)):
             moved.append(Moved(run, name, entry["unit"], old, new, before["version"], after["version"]))
     return moved

@@ -26,7 +26,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
-from avatarsim.console import say_once
+from avatarsim.console import warn_once
 from avatarsim.errors import InvalidFile
 
 VARIABLE = "AVATARSIM_CACHE_DIR"
@@ -126,7 +126,7 @@ def is_writable(folder: Path) -> bool:
 
 def say_distrust(error: Distrusted) -> None:
     """Print on standard error why a file or folder is left alone."""
-    say_once(f"distrust {error.filename}", f"{error.filename} is not used as a cache: {error.strerror}")
+    warn_once(f"distrust {error.filename}", f"{error.filename} is not used as a cache: {error.strerror}")
 
 
 HEAD = struct.Struct("<8sQ32s")

@@ -78,7 +78,7 @@ def compare(_compared: Callable[..., Mapping[str, Any]]) -> Iterator[Compare]:
 @pytest.fixture
 def drift(request: pytest.FixtureRequest, _compared: Callable[..., Mapping[str, Any]]) -> Iterator[Drift]:
     """Compare the figures of a scene with those in a file next to the test, SCENE.drift.json, which --update-drift writes."""
-    from avatarsim.drift import drift_table, drifted, kept_figures, update
+    from avatarsim.drift import drift_table, drifted, read_figures, update
 
     def gate(
         scene: str | Path, motion: str | Path | None = None, *, kept: str | Path | None = None, share: float = 0.0,
@@ -88,7 +88,7 @@ def drift(request: pytest.FixtureRequest, _compared: Callable[..., Mapping[str, 
         if request.config.getoption(UPDATE):
             update(path, _compared(scene, motion, **arguments))
             return
-        before = kept_figures(path)
+        before = read_figures(path)
         if moved := drifted(before, _compared(scene, motion, **arguments), share):
             count = f"{len(moved)} of the figures in {path.name} moved"
             pytest.fail(f"{count}; pytest {UPDATE} keeps the new ones\n\n{drift_table(moved)}", pytrace=False)

@@ -83,7 +83,7 @@ def test_pipes_and_folders_are_no_entries(tmp_path: Path) -> None:
 
 @pytest.fixture(autouse=True)
 def nothing_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("avatarsim.console._SAID", set())
+    monkeypatch.setattr("avatarsim.console._PRINTED", set())
 
 
 def give_away(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,7 +18,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from avatarsim.console import say_once
+from avatarsim.console import warn_once
 from avatarsim.errors import AvatarsimError
 from avatarsim.files import Damaged, Distrusted, make_private, read_entry, say_distrust, write_entry
 from avatarsim.jit import places
@@ -156,7 +156,7 @@ class KernelFiles(ABC):
         except Damaged as error:
             _discard(path, str(error))
         except OSError as error:
-            say_once("unreadable", f"compiled kernels cannot be read: {error}")
+            warn_once("unreadable", f"compiled kernels cannot be read: {error}")
         else:
             if base != SHIPPED:
                 places.current().use(path.parent)
@@ -166,7 +166,7 @@ class KernelFiles(ABC):
 
 def _discard(path: Path, why: str) -> None:
     """Remove an entry that cannot be used; it is compiled anew."""
-    say_once("damaged", f"{why}: such compiled kernels are removed and compiled anew")
+    warn_once("damaged", f"{why}: such compiled kernels are removed and compiled anew")
     _remove(path)
 
 

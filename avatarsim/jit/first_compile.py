@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from avatarsim.console import Progress, say_once
+from avatarsim.console import Progress, warn_once
 from avatarsim.jit.places import missing
 
 SECONDS = 0.1
@@ -48,7 +48,7 @@ class FirstCompile:
         if self.compiled == 0:
             # Which of the kernels a scene calls is known only at its end: most scenes call fewer than all.
             self._most = max(1, missing(self.own()))
-            say_once("first compile", announcement(self._most))
+            warn_once("first compile", announcement(self._most))
         self.compiled += 1
         # The stream may be closed, or its terminal gone; that must not stop a compile.
         with suppress(OSError, ValueError):

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
-from avatarsim.console import say_once
+from avatarsim.console import warn_once
 from avatarsim.errors import AvatarsimError
 from avatarsim.files import PART, bases, is_readable, is_writable
 
@@ -100,7 +100,7 @@ class Places:
     def _cannot_keep(self, why: str) -> None:
         if self.required:
             raise CannotKeep(f"compiled kernels cannot be kept: {why}")
-        say_once("keep", f"compiled kernels cannot be kept, so each start compiles them again: {why}")
+        warn_once("keep", f"compiled kernels cannot be kept, so each start compiles them again: {why}")
 
 
 def prune(base: Path) -> None:

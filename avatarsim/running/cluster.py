@@ -19,7 +19,7 @@ from avatarsim.running.processes import PRELOADED, Answer, Died, Task, side_by_s
 
 ANSWERS_WITHIN = 10.0
 """Longest time to wait for a scheduler [s]."""
-LOOK_EVERY, SAY_EVERY = 5.0, 60.0
+LOOK_EVERY, REPORT_INTERVAL = 5.0, 60.0
 """Time between two checks of the workers while jobs run, and between two messages that there is none [s]."""
 OPTION = "--scheduler"
 START = "`python -m dask worker ADDRESS --no-nanny --nthreads JOBS` in a checkout"
@@ -37,7 +37,7 @@ def there(
     return answer
 
 
-def lost_said(worker: str) -> str:
+def lost_worker_message(worker: str) -> str:
     """Return a sentence about a worker that was lost."""
     return f"worker {worker} was lost while jobs ran; another one did its jobs again"
 
@@ -75,14 +75,14 @@ class Watch:
         return [] if present is None else sorted(self.seen - present)
 
     def _watch(self) -> None:
-        none_since, said = None, 0.0
-        while not self.over.wait(min(LOOK_EVERY, SAY_EVERY)):
+        none_since, reported = None, 0.0
+        while not self.over.wait(min(LOOK_EVERY, REPORT_INTERVAL)):
             present, now = self.present(), time.monotonic()
             self.seen |= present or set()
             if present is None or present:
                 none_since = None
-            elif none_since is None or now - said >= SAY_EVERY:
-                none_since, said = none_since or now, now
+            elif none_since is None or now - reported >= REPORT_INTERVAL:
+                none_since, reported = none_since or now, now
                 waited = f" for {round((now - none_since) / 60.0)} min" if now - none_since >= 60.0 else ""
                 print(f"{self.address} has no worker{waited}; jobs wait for one: {START}", file=sys.stderr, flush=True)
 
@@ -139,7 +139,7 @@ class Cluster:
         """Report the names of lost workers."""
         self.lost.extend(lost)
         for worker in lost:
-            print(lost_said(worker), file=sys.stderr, flush=True)
+            print(lost_worker_message(worker), file=sys.stderr, flush=True)
 
     def _answer(self, future: Any) -> Any:
         """Return the answer of a finished task.
@@ -154,14 +154,14 @@ class Cluster:
         """Raise InvalidInput for a cluster without workers, or with a worker whose figures would differ from this process's."""
         if not found:
             raise InvalidInput(OPTION, self.address, f"a scheduler with workers: {START}")
-        for worker, told in found.items():
-            if isinstance(told, BaseException):
-                raise InvalidInput(OPTION, self.address, f"workers that know this project ({worker}: {told}): {START}")
-            if told["daemon"]:
+        for worker, about in found.items():
+            if isinstance(about, BaseException):
+                raise InvalidInput(OPTION, self.address, f"workers that know this project ({worker}: {about}): {START}")
+            if about["daemon"]:
                 raise InvalidInput(OPTION, self.address, f"workers that may start processes, which {worker} may not: {START}")
             for name in self.same:
-                if told[name] != here[name]:
-                    valid = f"workers of the same {name}: {worker} has {told[name]}, this command {here[name]}"
+                if about[name] != here[name]:
+                    valid = f"workers of the same {name}: {worker} has {about[name]}, this command {here[name]}"
                     raise InvalidInput(OPTION, self.address, valid)
-            if told["cpu"] != here["cpu"]:
-                print(f"{worker} has another processor, {told['cpu']}: last bits may differ", file=sys.stderr)
+            if about["cpu"] != here["cpu"]:
+                print(f"{worker} has another processor, {about['cpu']}: last bits may differ", file=sys.stderr)

@@ -47,17 +47,17 @@ class Died(Exception):
     """A job ended without an answer; the text describes how."""
 
 
-class Told(popen_forkserver.Popen):
+class SinglePollPopen(popen_forkserver.Popen):
     """A process whose exit code is read by one thread at a time. The fork server reports it once, each start of a process polls
     all others, and Pebble has a thread for each: without this, one exit in seventy would be reported as code 255."""
 
     def __init__(self, process: BaseProcess) -> None:
-        self.asking = threading.Lock()
+        self.poll_lock = threading.Lock()
         super().__init__(process)
 
     def poll(self, flag: int = os.WNOHANG) -> int | None:
         """Return the exit code, once there is one."""
-        with self.asking:
+        with self.poll_lock:
             return super().poll(flag)
 
 
@@ -65,8 +65,8 @@ class Forked(ForkServerProcess):
     """A process of the fork server."""
 
     @staticmethod
-    def _Popen(process_obj: BaseProcess) -> Told:  # noqa: N802
-        return Told(process_obj)
+    def _Popen(process_obj: BaseProcess) -> SinglePollPopen:  # noqa: N802
+        return SinglePollPopen(process_obj)
 
 
 class Forking(ForkServerContext):
@@ -86,14 +86,14 @@ def context(preload: Sequence[str] = PRELOADED) -> Forking:
         # starting it inside would lift the block
         resource_tracker.ensure_running()
         blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        kept = {name: os.environ[name] for name in THREADS if name in os.environ}
+        saved = {name: os.environ[name] for name in THREADS if name in os.environ}
         os.environ.update(dict.fromkeys(THREADS, "1"))
         try:
             forkserver.ensure_running()
         finally:
             for name in THREADS:
                 del os.environ[name]
-            os.environ.update(kept)
+            os.environ.update(saved)
             # signals that arrived meanwhile reach the parent here
             signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
     return forking

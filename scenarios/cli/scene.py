@@ -16,7 +16,7 @@ import pandas as pd
 
 from avatarsim.cli.reading import reading_options
 from avatarsim.console import path_option
-from avatarsim.drift import Moved, drift_table, drifted, kept_figures, update
+from avatarsim.drift import Moved, drift_table, drifted, read_figures, update
 from avatarsim.errors import AvatarsimError, InvalidInput, MissingPackage, UnknownName
 from reports.summaries.junit import junit
 from reports.tables.checks import Checks
@@ -104,7 +104,7 @@ def _compared(options: argparse.Namespace, words: Sequence[str]) -> int:
     for name in (word.partition("/")[0] for word in (*options.engine, *gates)):
         if name not in known():
             raise UnknownName("engine", name, known())
-    reference = kept_figures(options.drift) if options.drift and not options.update_drift else {}
+    reference = read_figures(options.drift) if options.drift and not options.update_drift else {}
     take_own_scenes(options)
     made = chosen(options, gates)
     gated = [run for run in dict.fromkeys(job.run for job in made.jobs) if _names(gates, run)]

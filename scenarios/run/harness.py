@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from avatarsim.errors import AvatarsimError, MissingPackage, described
-from avatarsim.running.cluster import lost_said
+from avatarsim.running.cluster import lost_worker_message
 from avatarsim.running.processes import Died, Workers
 from runfiles.engines import FILE, about
 from runfiles.naming import BASELINE, UNSEEN_PREFIX
@@ -232,7 +232,7 @@ class Run:
     def notes(self) -> list[str]:
         """Return sentences that a run ends with: promises that authors gave up, and workers of a cluster that were lost."""
         gated = [lapse_note(outcome) for job, outcome in self._known() if (job.engine, job.preset) in self.gated]
-        return [*dict.fromkeys(filter(None, gated)), *map(lost_said, self.lost)]
+        return [*dict.fromkeys(filter(None, gated)), *map(lost_worker_message, self.lost)]
 
     def code(self) -> int:
         """Return the exit code of all rows so far."""

@@ -89,7 +89,7 @@ def test_a_folder_that_was_made_after_the_start_is_read_too(tmp_path: Path) -> N
 def test_reports_once_or_refuses_where_nothing_can_be_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("avatarsim.console._SAID", set())
+    monkeypatch.setattr("avatarsim.console._PRINTED", set())
     blocked = tmp_path / "a_file"
     blocked.write_text("")
     unable = Places(blocked / "kernels")
@@ -109,7 +109,7 @@ class Terminal(io.StringIO):
 
 @pytest.fixture(autouse=True)
 def fresh(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("avatarsim.console._SAID", set())
+    monkeypatch.setattr("avatarsim.console._PRINTED", set())
     monkeypatch.setattr(progress, "QUIET_FOR", 0.0)
     monkeypatch.setattr(progress, "BAR_EVERY", 0.0)
 
@@ -146,6 +146,6 @@ def test_a_closed_stream_stops_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     closed = io.StringIO()
     closed.close()
     for stream in (None, closed):
-        monkeypatch.setattr("avatarsim.console._SAID", set())
+        monkeypatch.setattr("avatarsim.console._PRINTED", set())
         monkeypatch.setattr(sys, "stderr", stream)
         compiled(FirstCompile(), 1)

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from avatarsim.drift import kept_figures
+from avatarsim.drift import read_figures
 from avatarsim.errors import InvalidInput, UnknownName
 from scenarios.__main__ import main
 from scenarios.run.limits import gates_of, limits_of
@@ -82,7 +82,7 @@ def test_figures_that_were_kept_fail_once_one_has_moved(box: str, tmp_path: Path
     assert all(part in said for part in ("residual_overlap_max", "1 m", "0.0.1"))
     file.write_text("{}")
     with pytest.raises(InvalidInput):
-        kept_figures(file)
+        read_figures(file)
     assert called(*words) == 2
 
 

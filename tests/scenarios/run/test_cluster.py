@@ -174,7 +174,7 @@ def test_lost_workers_are_told_and_known(
     looks: list[set[str] | None], lines: int, lost: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(generic, "LOOK_EVERY", 0.001)
-    monkeypatch.setattr(generic, "SAY_EVERY", 0.0)
+    monkeypatch.setattr(generic, "REPORT_INTERVAL", 0.0)
     client = Client(*looks)
     with generic.Watch(client, "tcp://here:1", ["a", "b"]) as watch:
         if len(looks) > 1:
