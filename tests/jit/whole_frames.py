@@ -1,8 +1,14 @@
 """Prints the states of whole frames, scene by scene: compiled, or as plain Python under NUMBA_DISABLE_JIT=1."""
 
+import hashlib
+
+import numpy as np
+
+import avatarsim as av
 from avatarsim.engine import Settings
 from avatarsim.simulator import AvatarsimEngine
 from scenarios import catalog
+from tests.cleaning.rooms import FLOOR, RATE, lowered, model, swinging
 
 SCENES = {
     "arm_in_corner": 24, "arms_through_chest": 20, "carried_mug": 4, "closing_door": 16, "coins": 5, "coupling_sweep": 24,
@@ -24,9 +30,19 @@ def hashes(preset: str, name: str, frames: int) -> str:
     return " ".join([preset, name, *(state.state_hash() for state in states)])
 
 
+def cleaned() -> str:
+    """Return the hash of a walk into the floor and out again, as a stream with limits of its rates and as a whole."""
+    walk = lowered(swinging(24, 0.0), 0.5 - 0.25 * np.exp(-(((np.arange(24) - 12) / 4.0) ** 2)))
+    shield = av.Shield(model(), (FLOOR,), RATE, speed_limits=1.0, acceleration_limits=10.0)
+    streamed = np.array([shield(row) for row in shield.coordinates.rows(walk)])
+    whole = av.clean(walk, model(), (FLOOR,)).motion
+    return hashlib.blake2b(streamed.tobytes() + whole.positions.tobytes() + whole.angles.tobytes(), digest_size=8).hexdigest()
+
+
 def lines() -> list[str]:
-    """Return a line per scene, the last of method `paper`."""
-    return [*(hashes("default", name, frames) for name, frames in SCENES.items()), hashes("paper", "coach_release", 15)]
+    """Return a line per scene, one of method `paper` and one of cleaning."""
+    scenes = [hashes("default", name, frames) for name, frames in SCENES.items()]
+    return [*scenes, hashes("paper", "coach_release", 15), cleaned()]
 
 
 if __name__ == "__main__":
