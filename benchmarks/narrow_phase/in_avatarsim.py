@@ -1,7 +1,9 @@
-"""Signed distance by avatarsim: in one compiled call, as the engine does it, and in a call from Python per query."""
+"""Signed distance by avatarsim: in one compiled call, as the engine does it, and in a call from Python per query.
+
+Nothing is kept from one query of a pair to the next, in either mode.
+"""
 
 from collections.abc import Sequence
-from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -9,8 +11,6 @@ from numpy.typing import NDArray
 
 from avatarsim.collision.scratch import Scratch, make_scratch
 from avatarsim.collision.signed_distance import signed_distance
-from avatarsim.collision.warm_query import signed_distance_coherent
-from avatarsim.collision.warm_start import PairMemory, make_pair_memory
 from avatarsim.jit.arena import pack, view_arena
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Line
@@ -35,7 +35,6 @@ class Table(NamedTuple):
     poses: Poses
     gaps: Line
     scratch: Scratch
-    memory: PairMemory
 
 
 @kernel
@@ -47,22 +46,12 @@ def place_pairs(words: Index, first: int, last: int) -> None:
 
 
 @kernel
-def cold_queries(words: Index, first: int, last: int) -> None:
+def queries(words: Index, first: int, last: int) -> None:
     """Signed distances of pairs first .. last - 1, with nothing known about them."""
     t = view_arena(words, Table)
     vertices, shapes = t.poses.vertices, t.geometry.shapes
     for k in range(first, last):
         _, gap, _, _, _ = signed_distance(vertices, shapes, 2 * k, 2 * k + 1, (0.0, 0.0, 0.0), t.scratch)
-        t.gaps[k] = gap
-
-
-@kernel
-def coherent_queries(words: Index, first: int, last: int) -> None:
-    """Signed distances of pairs first .. last - 1, each begun from the result of its last query."""
-    t = view_arena(words, Table)
-    vertices, shapes = t.poses.vertices, t.geometry.shapes
-    for k in range(first, last):
-        _, gap, _, _, _ = signed_distance_coherent(vertices, shapes, 2 * k, 2 * k + 1, inf, t.scratch, t.memory, k)
         t.gaps[k] = gap
 
 
@@ -76,7 +65,7 @@ class CompiledPairs:
         self.count = n // 2
         # a bound of the gap's zero along any ray: two radii about the centres, and the largest gap wanted
         self.reach = 1.0 + 2.0 * float(np.linalg.norm(rest.hulls.reshape(-1, 3), axis=1).max())
-        table = Table(made, rest, np.zeros(self.count), make_scratch(), make_pair_memory(self.count))
+        table = Table(made, rest, np.zeros(self.count), make_scratch())
         self.words, self.table = pack(table)
 
     def pose(self, turns: Array, at: Array) -> None:
@@ -90,7 +79,7 @@ class CompiledPairs:
 
     def cold(self) -> Array:
         """Return signed distances (n,) [m] of all pairs."""
-        cold_queries(self.words, 0, self.count)
+        queries(self.words, 0, self.count)
         return np.array(self.table.gaps)
 
 
@@ -99,24 +88,20 @@ class Avatarsim(Contender):
 
     def load(self, trial: Trial) -> None:
         self._trial, self._pairs = trial, CompiledPairs(trial.shapes)
-        self._query = cold_queries if trial.mode == "cold" else coherent_queries
-
-    def begin(self) -> None:
-        self._pairs.table.memory.view(np.int64)[...] = 0
 
     def pose(self, frame: int) -> None:
         place = self._pairs.pose if self.name == PLACED else self._pairs.place
         place(self._trial.turns[frame], self._trial.at[frame])
 
     def query(self) -> None:
-        words, count, query = self._pairs.words, self._pairs.count, self._query
+        words, count = self._pairs.words, self._pairs.count
         if self.per_call:
             for k in range(count):
-                query(words, k, k + 1)
+                queries(words, k, k + 1)
             return
         if self.name == PLACED:
             place_pairs(words, 0, count)
-        query(words, 0, count)
+        queries(words, 0, count)
 
     def answers(self) -> Array:
         return np.array(self._pairs.table.gaps)

@@ -11,8 +11,6 @@ from scipy.spatial import ConvexHull
 from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.signed_distance import signed_distance, signed_distance_up_to
 from avatarsim.collision.status import CONVERGED, NAMES
-from avatarsim.collision.warm_query import signed_distance_coherent
-from avatarsim.collision.warm_start import make_pair_memory
 from avatarsim.model.geometry import ELLIPSOID
 from avatarsim.spatial import rotation
 from avatarsim.spatial.vec3 import Vec3
@@ -36,11 +34,7 @@ MOST_TRIANGLES = 300_000
 """Effort for one proof of a depth: typical are 200 to 5,000; only where nearly every direction is equally deep, as in two
 concentric balls written as ellipsoids, it ends undecided."""
 
-TURNED = np.array([[0.0, 0.02, -0.01], [-0.02, 0.0, 0.03], [0.01, -0.03, 0.0]])
-"""Turn [rad] of the second shape a frame before, for the coherent query; it is shifted by about as much of its size. A memory
-may be of anything, so that the turn may be one of first order."""
-
-SCRATCH, STACK, MEMORY = make_scratch(), make_stack(), make_pair_memory(1)
+SCRATCH, STACK = make_scratch(), make_stack()
 
 QHULL, BOUNDED, PROVEN, UNPROVED = "qhull", "bounded", "proved", "undecided"
 """Oracles: all facets of the Minkowski difference; both bounds from normal and witnesses; no direction is shorter; gave up."""
@@ -192,34 +186,7 @@ def _other_doors(
             difference = max(difference, abs(bound - gap))
         if (bound > margin) != (gap > margin) and abs(gap - margin) > slack:
             return difference, f"with margin {margin:.3g} the bound is {bound:.17g}, the gap {gap:.17g}"
-    for moved in (True, False):
-        warm, wrong = _coherent(batch, k, size, moved)
-        difference = max(difference, abs(warm - gap))
-        if wrong and back[0] == CONVERGED:
-            return difference, wrong
     return difference, ""
-
-
-def _coherent(batch: Batch, k: int, size: float, moved: bool) -> tuple[float, str]:
-    """Return the gap with the memory of b's place a frame before, or as it is left from then, and the answer's fault."""
-    a, b, v, shapes = 2 * k, 2 * k + 1, batch.vertices, batch.shapes
-    if moved:
-        here = slice(shapes.start[b], shapes.start[b + 1])
-        kept = v[here].copy()
-        arms = kept - kept.mean(axis=0) if shapes.kind[b] != ELLIPSOID else np.vstack([np.zeros(3), kept[1:]])
-        v[here] = kept + arms @ TURNED
-        v[here if shapes.kind[b] != ELLIPSOID else shapes.start[b]] += TURNED[k % 3] * shapes.extent[b]
-        signed_distance_coherent(v, shapes, a, b, np.inf, SCRATCH, MEMORY, 0)
-        v[here] = kept
-    status, gap, n, on_a, on_b = signed_distance_coherent(v, shapes, a, b, np.inf, SCRATCH, MEMORY, 0)
-    unit = np.array(n)
-    reach = farthest_of_difference(batch.centred, shapes.kind, shapes.start, a, b, (-n[0], -n[1], -n[2]))
-    proved = float(np.array(reach) @ unit - shapes.radius[a] - shapes.radius[b])
-    off = max(gap - proved, float(np.abs(np.array(on_a) - np.array(on_b) - gap * unit).max()))
-    rounding = ULPS * float(np.spacing(np.abs(v[shapes.start[a] : shapes.start[b + 1]]).max()))
-    if status != CONVERGED:
-        return gap, f"coherent: status {NAMES[status]}"
-    return gap, "" if off <= RELATIVE * size + rounding else f"coherent: normal or points off by {off / size:.2g}"
 
 
 @dataclass

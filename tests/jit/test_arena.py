@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
@@ -12,13 +12,13 @@ import pytest
 from numba.core.registry import cpu_target
 
 from avatarsim.collision.scratch import Scratch, make_scratch
-from avatarsim.collision.warm_start import PairMemory, make_pair_memory
 from avatarsim.coupling.tracked_motion import make_tracked_motion
 from avatarsim.errors import AvatarsimError
 from avatarsim.ik.make import make_solver
 from avatarsim.jit.arena import Image, pack, view_arena
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import FlagLine, Grid, Line, Matrices, Stack, numba_type
+from avatarsim.jit.record import known_as_table
 from avatarsim.model.geometry import SHAPE
 from avatarsim.model.world import World, build
 from avatarsim.paper.state import make_paper_memory
@@ -120,6 +120,19 @@ def test_what_no_kernel_could_open_is_refused(bad: np.ndarray) -> None:
         numba_type(str)
 
 
+PAIR = np.dtype([("axis", np.float64, (3,)), ("twin", np.uint16, (8, 4))])
+
+
+class PairMemory(np.recarray[Any, np.dtype[Any]]):
+    """A table, one record per pair."""
+
+    axis: np.ndarray
+    twin: np.ndarray
+
+
+known_as_table(PairMemory, PAIR)
+
+
 class Found(NamedTuple):
     """The tuple that the test below packs."""
 
@@ -129,8 +142,8 @@ class Found(NamedTuple):
 
 
 def test_opens_records_and_tables_as_packed_in_kernels_too() -> None:
-    scratch, memory = make_scratch(), make_pair_memory(3)
-    scratch.w[5], memory.axis[2], memory.twin[1, 4] = (1.0, 2.0, 3.0), (4.0, 5.0, 6.0), (7, 8, 9)
+    scratch, memory = make_scratch(), np.zeros(3, PAIR).view(PairMemory)
+    scratch.w[5], memory.axis[2], memory.twin[1, 4, :3] = (1.0, 2.0, 3.0), (4.0, 5.0, 6.0), (7, 8, 9)
     words, (one, table, other) = pack(Found(scratch, memory, scratch))
     assert one == scratch and (table == memory).all() and type(table) is type(memory)
     other.rows[0, 1] = 3
