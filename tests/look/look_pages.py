@@ -113,9 +113,9 @@ def test_the_shown_setting_is_copied(run: Path, opened: tuple[Browser, str]) -> 
         one.value(f"document.querySelector('[data-copy=\"{button}\"]').click(); document.getElementById('copy').click()")
         shown = one.value("document.getElementById('setting').textContent")
         one.until(f"navigator.clipboard.readText().then((text) => text === {json.dumps(shown)})")
-        label, setting, native = one.value(f"(({{ label, setting, native }}) => [label, setting, native])(chosen()[{button}])")
+        label, setting, copied = one.value(f"(({{ label, setting, copy }}) => [label, setting, copy])(chosen()[{button}])")
         assert one.value("document.getElementById('copied-of').textContent") == f"{label} {setting}"
-        assert shown.startswith(f"# {label}") and native in shown
+        assert shown.startswith(f"# {label}") and copied in shown
     assert one.errors == []
 
 
