@@ -146,10 +146,11 @@ class Frames:
         pass_shown(self._job)
         self._outcome = self._job[STATUS:].tolist()
 
-    def show_placed(self) -> None:
-        """Write the shown poses of all bodies, also of those that never move by themselves, since some were put elsewhere."""
+    def show_all(self) -> None:
+        """Write the shown state between two frames: also of bodies that never move by themselves, which may be elsewhere."""
         written = self.output.shown
         written.positions[...], written.orientations[...] = shown_poses(self.world)
+        self.show()
 
     def shown(self) -> Shown:
         """Return the shown state, as last written. AvatarsimError if a number of it is not finite."""

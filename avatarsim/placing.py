@@ -67,7 +67,6 @@ def put_avatars(
     lower.place_avatars(frames.target)
     if given:
         lower.look_at_all()
-        frames.show_placed()
     frames.passed = ()
     return moved
 
@@ -99,7 +98,6 @@ def place_bodies(frames: Frames, bodies: Mapping[str, Pose]) -> None:
         # pieces near an avatar at rest are kept away from in the next frame, as if it had been touched
         touch(a, b, lower.state.touching)
     lower.look_at_all()
-    frames.show_placed()
     frames.passed = ()
 
 

@@ -442,7 +442,7 @@ class AvatarsimEngine:
 
     def _between(self, moved: tuple[Moved, ...] = ()) -> FrameRecord:
         """Return the record of a state that no frame led to."""
-        self._running().show()
+        self._running().show_all()
         return self._record({}, {"moved_at_start": len(moved)} if moved else {}, (), moved)
 
     def _record(

@@ -3,7 +3,7 @@
 Many worlds are passed together as Gym-style vectorised simulators batch their environments: a call of a kernel from Python costs
 more than a small scene's frame, and two threads that hand Python's global lock to and fro with every frame are no faster than
 one. So the arenas of a world are named by their addresses in a row of jobs, and the kernels run without that lock. One world
-calls a kernel per stage: a scene that needs one stage then loads the machine code of that one alone, half as much.
+calls a kernel per stage: a scene that needs one stage loads no machine code of the others.
 """
 
 from collections.abc import Collection
@@ -129,6 +129,7 @@ STAGE_KERNELS = (pass_posture, pass_motion, pass_coupling)
 def pass_frames(jobs: Index, dt: float) -> None:
     """Pass a frame of ``dt`` [s] of each world in ``jobs`` (worlds, COLUMNS), whose target has been read."""
     for k in range(jobs.shape[0]):
+        # in the order of `Stage`, as for one world
         stages = jobs[k, STAGES]
         if stages & (1 << POSTURE):
             pass_posture(jobs[k], dt)

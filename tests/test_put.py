@@ -190,3 +190,15 @@ def test_a_start_beyond_a_limit_is_refused_by_name(joint: Joint, changed: dict[s
     start: Any = replace(rest((avatar,)), **changed)  # type: ignore[arg-type]
     with pytest.raises(InvalidScene, match=says):
         loaded(Scene("s", avatars=(avatar,), start=start))
+
+
+def test_a_restored_state_shows_fixed_bodies_where_they_were_put() -> None:
+    engine, _ = above_a_floor()
+    lower = ((0.0, 0.0, -0.4), (1.0, 0.0, 0.0, 0.0))
+    placed, kept = engine.place({"floor": lower}), engine.snapshot()
+    other, _ = above_a_floor()
+    assert other.restore(kept).state_hash() == placed.state_hash()
+    engine.place({"floor": ((0.0, 0.0, -0.6), (1.0, 0.0, 0.0, 0.0))})
+    assert engine.restore(kept).state_hash() == placed.state_hash()
+    sample = engine.posture()
+    assert engine.advance(sample, DT).shown.positions[0, 2] == other.advance(sample, DT).shown.positions[0, 2] == -0.4

@@ -75,7 +75,7 @@ def run(args: argparse.Namespace) -> int:
         try:
             return _done(args, options, clips, batch)
         except KeyboardInterrupt:
-            again = "; what was finished is kept, and the same command goes on from there" if args.command == "clean" else ""
+            again = "; finished clips are kept, and the same command resumes" if args.command == "clean" else ""
             report(f"stopped{again}")
             return STOPPED
 

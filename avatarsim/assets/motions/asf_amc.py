@@ -213,7 +213,7 @@ def _axes(
     tall = standing(made(axes))
     stated = "as it states" if asf.length else "the usual one, as it states none"
     if SHORTEST <= tall <= TALLEST:
-        notes.append(f"unit of length of {asf.name}: {asf.unit:.6g} m, {stated}; with it the skeleton stands {tall:.2f} m tall")
+        notes.append(f"unit of length of {asf.name}: {asf.unit:.6g} m, {stated}; the skeleton is then {tall:.2f} m tall")
         return axes, notes
     axes, guesses = guessed(name, made, angle, None, axes.up)
     left = f"{stated} ({asf.unit:.6g} m), with which the skeleton would stand {tall:.3g} m tall"
