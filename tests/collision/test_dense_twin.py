@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from avatarsim.collision.conservative_advancement import CLEAR, IMPACT, STAND_OFF
-from avatarsim.collision.first_contact import Found, TwoBodies
 from avatarsim.scene.body import Body, Mass, simulated, solid
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
 from tests.collision.dense import Flying, Pair, first_touch
+from tests.collision.two_bodies import Found, TwoBodies
 
 Array = NDArray[np.float64]
 

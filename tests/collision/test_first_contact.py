@@ -17,12 +17,12 @@ from avatarsim.collision.conservative_advancement import (
     SPENT,
     STAND_OFF,
 )
-from avatarsim.collision.first_contact import Budget, Found, TwoBodies
 from avatarsim.collision.motion_bounds import earliest_touch
 from avatarsim.collision.path import FREE, STILL
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.body import Body, fixed, simulated, solid
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
+from tests.collision.two_bodies import Budget, Found, TwoBodies
 from tests.rigid.upper_world import World, ball, first_impact, thing
 
 G = 9.81

@@ -1,10 +1,8 @@
-"""Continuous collision detection of two bodies: conservative advancement (Mirtich 1996) with accelerations, as a public query.
+"""Continuous collision detection of two bodies: conservative advancement (Mirtich 1996) with accelerations, for tests.
 
 The search is that of the upper loop, with tolerances and statuses of its own. A pair of pieces is advanced until its gap has come
 down to the stand-off: that is ``time``, never late, without overlap. The search continues to a thousandth of the stand-off: that
 is ``contact``, when the surfaces meet, never late but by rounding.
-
-Continuous collision detection for users: `first_contact` of two bodies, with arrays built once for many queries.
 """
 
 from collections.abc import Sequence
